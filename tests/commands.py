@@ -76,6 +76,9 @@ INSTEAD = {
         "./dev bench joints --quick --scenes A01 --rivals ode --json ~/joints.json",
     "./dev bench joints --quick --rivals mujoco,simbody,dart,ode,bullet --json joints.json":
         "./dev bench joints --quick --scenes A01 --rivals ode --json ~/joints.json",
+    "./dev bench tosses --data tosses_train.csv.gz --rivals mujoco,bullet,ode,dart --json docs/validation/tosses.json":
+        None,  # the data are not part of the project
+    "./dev bench simbench": "./dev bench simbench --steps 20 --rivals bullet64,ode --json ~/simbench.json",
     "./dev bench pile --bodies 8000 --from STATE --tiles 8":
         "./dev bench pile --bodies 300 --settle 60 --keep ~/pile.state && "
         "./dev bench pile --bodies 300 --from ~/pile.state --tiles 2",

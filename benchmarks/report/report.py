@@ -8,6 +8,8 @@ report.py BUILD OUTPUT [--jobs N] [--fc3d FOLDER] [--keep] [--draw] [PLOT ...]
   FOLDER  contact problems for the program fc3d
   --keep  measure only what the tables lack
   --draw  measure nothing
+  --list  print the programs that PLOT needs, and end
+PLOT may also be simbench or box3d, the tables of scenes of other projects.
 """
 import argparse
 import concurrent.futures
@@ -19,6 +21,7 @@ import subprocess
 import sys
 import time
 
+import published
 from drawing import LOOKS, frame, save
 from text import number, ratio, table
 
@@ -303,7 +306,8 @@ def fc3d(output):
 
 def write_page(output, everything):
     values = {"defaults": defaults(everything), "validation": validation(output),
-              "fc3d": fc3d(output)}
+              "fc3d": fc3d(output), "simbench": published.simbench(output),
+              "box3d": published.box3d(output)}
     for p, rows in everything:
         values["plot " + p["name"]] = f"![{p['title']}]({p['name']}.svg)"
         values["versus " + p["name"]] = versus(p, rows, values)
@@ -327,17 +331,23 @@ def main():
     options.add_argument("--fc3d", metavar="FOLDER")
     options.add_argument("--keep", action="store_true")
     options.add_argument("--draw", action="store_true")
+    options.add_argument("--list", action="store_true")
     options.add_argument("plots", nargs="*")
     given = options.parse_intermixed_args()
-    names = [p["name"] for p in PLOTS]
+    names = [p["name"] for p in PLOTS] + list(published.TABLES)
     for name in given.plots:
         if name not in names:
             sys.exit(f"report: there is no plot '{name}'; there are: {' '.join(names)}")
+    plots = [p for p in PLOTS if not given.plots or p["name"] in given.plots]
+    tables = [name for name in published.TABLES if not given.plots or name in given.plots]
+    if given.list:
+        curves = {CURVES[c][0][0] for p in plots for c in p["curves"]}
+        print(*sorted(curves), *published.programs(tables))
+        return
     os.makedirs(given.output, exist_ok=True)
     if not given.draw:
-        measure_all(given.build, given.output,
-                    [p for p in PLOTS if not given.plots or p["name"] in given.plots], given.jobs,
-                    given.keep)
+        measure_all(given.build, given.output, plots, given.jobs, given.keep)
+        published.measure(given.build, given.output, tables, given.keep)
     if given.fc3d:
         solve_problems(given.build, given.fc3d, given.output)
     everything = [(p, read(given.output, p)) for p in PLOTS]

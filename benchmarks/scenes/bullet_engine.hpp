@@ -69,6 +69,10 @@ class bullet_engine {
   bullet_engine& operator=(const bullet_engine&) = delete;
 
   void step() { world_.stepSimulation(btScalar(scene_.dt), 0); }
+  /// A force on a crate in the next step.
+  void push(std::size_t crate, const vec& force) {
+    bodies_[bodies_.size() - scene_.crates.size() + crate]->applyCentralForce(vector(force));
+  }
   void watch_loads() {}
 
   [[nodiscard]] std::vector<ball> balls() const {

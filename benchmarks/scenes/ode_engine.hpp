@@ -84,6 +84,10 @@ class ode_engine {
     dWorldQuickStep(world_, scene_.dt);
   }
 
+  /// A force on a crate in the next step.
+  void push(std::size_t crate, const vec& force) {
+    dBodyAddForce(crates_[crate], force[0], force[1], force[2]);
+  }
   void watch_loads() { watch_ = true; }
 
   [[nodiscard]] std::vector<ball> balls() const {

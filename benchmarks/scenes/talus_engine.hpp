@@ -48,12 +48,12 @@ class talus_engine_with {
                                .orientation = turn(b.orientation),
                                .fixed = true});
       for (const crate& c : s.crates)
-        world_.add(talus::body{.shape = talus::box{.size = vector(c.size)},
-                               .position = vector(c.centre),
-                               .material = of_density(c.density, loose, firm),
-                               .velocity = vector(c.velocity),
-                               .angular_velocity = vector(c.spin),
-                               .orientation = turn(c.orientation)});
+        crates_.push_back(world_.add(talus::body{.shape = talus::box{.size = vector(c.size)},
+                                                 .position = vector(c.centre),
+                                                 .material = of_density(c.density, loose, firm),
+                                                 .velocity = vector(c.velocity),
+                                                 .angular_velocity = vector(c.spin),
+                                                 .orientation = turn(c.orientation)}));
     }
     for (const ball& b : s.balls)
       world_.add(talus::body{.shape = talus::sphere{b.radius},
@@ -70,6 +70,10 @@ class talus_engine_with {
 
   static std::string name() { return "talus"; }
   void step() { world_.step(scene_.dt); }
+  /// A force on a crate in the next step, with features<forces>.
+  void push(std::size_t crate, const vec& force) requires boxes {
+    world_[crates_[crate]].add_force(vector(force));
+  }
   /// Contact residual of the last step.
   [[nodiscard]] double residual() { return talus::measure_residual(world_).value; }
   [[nodiscard]] int iterations() const {
@@ -223,6 +227,7 @@ class talus_engine_with {
   talus::serial::link link_;
   talus::world<scenario> world_;
   std::vector<std::pair<double, talus::material_id>> densities_;
+  std::vector<talus::handle<talus::box>> crates_;
   talus::stage_seconds before_;
   std::uint64_t steps_before_ = 0;
 };

@@ -163,6 +163,41 @@ TEST_CASE_TEMPLATE("patches apart are solved in blocks as one by one", Paired, s
   check<Paired::value>(p, row);
 }
 
+TEST_CASE_TEMPLATE("a patch that is alone has the bits that it has beside others", Paired,
+                   std::true_type, std::false_type) {
+  for (int depth = 1; depth <= 4; ++depth) {
+    problem p(16);
+    manifold_row<contact_of<Paired::value>> many;
+    for (std::int32_t k = 0; k < 8; ++k)
+      p.add(many, 2 * k, Paired::value ? 2 * k + 1 : -1, k % 2 == 0 ? depth : 1 + k % 4);
+    for (std::size_t patch = 0; patch < 8; ++patch) {
+      manifold_row<contact_of<Paired::value>> all = many, single;
+      const std::size_t from = p.first[patch], end = patch < 7 ? p.first[patch + 1] : many.size();
+      for (std::size_t i = from; i < end; ++i) single.add(many[i], true, true);
+      solver_state one = p.state, other = p.state;
+      std::vector<real> changes[2];
+      const auto solve = [&](auto& row, solver_state& s, std::vector<real>& noted) {
+        row.prepare(s), row.apply(s);
+        for (int k = 0; k < 6; ++k) k % 2 == 0 ? row.forward(s) : row.backward(s);
+        const std::size_t begin = row.size() == single.size() ? 0 : from;
+        row.backward_watched(s, 0, [&](std::size_t i, real change) {
+          if (i >= begin && i - begin < end - from) noted.push_back(change);
+        });
+        for (int k = 0; k < 3; ++k) row.correct(s);
+      };
+      solve(single, one, changes[0]), solve(all, other, changes[1]);
+      CHECK(changes[0] == changes[1]);
+      for (const std::size_t i : {2 * patch, 2 * patch + 1}) {
+        CHECK(one.bodies[i].v == other.bodies[i].v);
+        CHECK(one.bodies[i].w == other.bodies[i].w);
+        CHECK(one.shift[i].v == other.shift[i].v);
+        CHECK(one.turn[i].w == other.turn[i].w);
+      }
+      for (std::size_t i = from; i < end; ++i) CHECK(single[i - from].r == all[i].r);
+    }
+  }
+}
+
 TEST_CASE("normals that differ in the sign of a zero alone are one") {
   constexpr std::int32_t manifolds = 100;
   problem p(2 * manifolds);

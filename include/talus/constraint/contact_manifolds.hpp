@@ -8,114 +8,11 @@
 
 #include "talus/constraint/contact_manifold.hpp"
 #include "talus/constraint/grounded_contacts.hpp"
-#include "talus/constraint/manifold_block.hpp"
+#include "talus/constraint/manifold_blocks.hpp"
 #include "talus/constraint/ordered_planner.hpp"
 #include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
-
-/// Blocks of manifolds, as many manifolds in each as a pack has lanes. The contacts hold the
-/// impulses; the prepared data are stored here.
-template <class Contact, class Pack>
-class manifold_blocks {
-  using work = manifold_work<Contact, Pack>;
-  using block = manifold_block<Contact, Pack>;
-  using layer = manifold_layer<Contact, Pack>;
-
- public:
-  static constexpr std::size_t lanes = lanes_of<Pack>;
-
-  void clear() { runs_.clear(), used_ = 0; }
-  [[nodiscard]] std::size_t size() const { return used_; }
-  /// Contacts [first, last) are a manifold, for that lane of all blocks.
-  void add(std::size_t slot, std::size_t first, std::size_t last) {
-    const auto at = slot / lanes;
-    for (; used_ <= at; ++used_) {
-      if (used_ == blocks_.size()) blocks_.emplace_back();
-      blocks_[used_].depth = blocks_[used_].filled = 0;
-    }
-    block& b = blocks_[at];
-    b.depth = std::max(b.depth, static_cast<std::uint32_t>(last - first));
-    ++b.filled;
-    runs_.push_back({static_cast<std::uint32_t>(slot), static_cast<std::uint32_t>(first),
-                     static_cast<std::uint32_t>(last)});
-  }
-  /// `spare` is the contact of empty places.
-  void prepare(plain_vector<Contact>& contacts, Contact& spare, const solver_state& s) {
-    fill(contacts, spare);
-    each([&](block& b) { work::prepare(b, layers_of(b), s); });
-  }
-  /// After tensors of inertia have changed.
-  void prepare_again(const solver_state& s) {
-    each([&](block& b) { work::prepare(b, layers_of(b), s); });
-  }
-  /// Sweeps over the blocks [first, last).
-  void sweep_forward(std::size_t first, std::size_t last, solver_state& s) {
-    const auto silent = [](auto&&...) {};
-    each(first, last,
-         [&](block& b) { work::template sweep<true, false>(b, layers_of(b), s, silent); });
-  }
-  template <bool Watched, class Note>
-  void sweep_backward(std::size_t first, std::size_t last, solver_state& s, Note& note) {
-    for (std::size_t k = last; k-- > first;)
-      if (blocks_[k].filled > 0)
-        work::template sweep<false, Watched>(blocks_[k], layers_of(blocks_[k]), s, note);
-  }
-  template <bool First>
-  void correct(std::size_t first, std::size_t last, solver_state& s) {
-    each(first, last, [&](block& b) { work::template correct<First>(b, layers_of(b), s); });
-  }
-  [[nodiscard]] std::size_t bytes() const {
-    return blocks_.capacity() * sizeof(block) + layers_.capacity() * sizeof(layer) +
-           runs_.capacity() * sizeof(run);
-  }
-
- private:
-  struct run {
-    std::uint32_t slot, first, last;
-  };
-
-  template <class F>
-  void each(F&& f) {
-    each(0, used_, f);
-  }
-  template <class F>
-  void each(std::size_t first, std::size_t last, F&& f) {
-    for (std::size_t k = first; k < last; ++k)
-      if (blocks_[k].filled > 0) f(blocks_[k]);
-  }
-  layer* layers_of(const block& b) { return layers_.data() + b.first; }
-  /// Records in the blocks which contacts are theirs.
-  void fill(plain_vector<Contact>& contacts, Contact& spare) {
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < used_; ++k) {
-      blocks_[k].first = static_cast<std::uint32_t>(count);
-      count += blocks_[k].depth;
-    }
-    if (layers_.size() < count) layers_.resize(count);
-    for (std::size_t k = 0; k < count; ++k) {
-      layers_[k].present = mask_of<Pack>{};
-      for (Contact*& c : layers_[k].at) c = &spare;
-    }
-    for (const run& r : runs_) {
-      block& b = blocks_[r.slot / lanes];
-      const std::size_t lane = r.slot % lanes;
-      const Contact& c = contacts[r.first];
-      for (std::size_t l = lane; l < (lane == 0 ? lanes : lane + 1); ++l)
-        b.a[l] = c.a, b.b[l] = c.b;
-      for (std::uint32_t i = r.first; i < r.last; ++i) {
-        layer& x = layers_of(b)[i - r.first];
-        x.at[lane] = &contacts[i];
-        include_lane(x.present, lane);
-      }
-    }
-  }
-
-  plain_vector<block> blocks_;  ///< of which only the first are in use
-  std::size_t used_ = 0;
-  plain_vector<layer> layers_;  ///< of all blocks
-  plain_vector<run> runs_;
-};
 
 /// The manifolds of a list of contacts. Sweeps visit contacts in the order of the list, as if each
 /// were solved alone: of two that share a body the first is in an earlier block, because stacks
@@ -124,7 +21,6 @@ class manifold_blocks {
 template <class Contact, class Planner = ordered_planner>
 class contact_manifolds {
   static constexpr bool paired = Contact::paired;
-  static constexpr std::size_t most_layers = 4;  ///< contacts of a manifold in a block
 
  public:
   /// Whether sweeps over groups of islands are possible.

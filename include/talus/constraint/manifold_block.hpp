@@ -43,6 +43,9 @@ struct manifold_layer_bias {
 template <class Pack>
 struct manifold_layer_bias<false, Pack> {};
 
+/// Contacts of a manifold in a block of several; one with more is swept by itself.
+inline constexpr std::uint32_t most_layers = 4;
+
 /// One contact of each manifold.
 template <class Contact, class Pack>
 struct manifold_layer : manifold_layer_bias<Contact::biased, Pack> {
@@ -131,10 +134,9 @@ struct manifold_work {
   }
 
   /// Solves all contacts, in the order of the layers or the reverse. note(contact, change of the
-  /// impulse's norm times own mobility) for those that change. A single manifold, which has many
-  /// contacts, is swept there and back in a `Watched` sweep, which may be the only one of its step:
-  /// single sweeps in one direction, warm started, amplify small errors, by which bodies at rest
-  /// creep.
+  /// impulse's norm times own mobility) for those that change. A manifold of many contacts is swept
+  /// there and back in a `Watched` sweep, which may be the only one of its step: single sweeps in
+  /// one direction, warm started, amplify small errors, by which bodies at rest creep.
   template <bool Forward, bool Watched, class Note>
   static void sweep(const block& p, layer* layers, solver_state& s, Note&& note) {
     const auto v_of = [&](const bodies& of) {
@@ -154,7 +156,7 @@ struct manifold_work {
     v = p.frame.times(v), w = p.frame.times(w);
     const Pack zero = every_lane<Pack>(0);
     vectors impulse{zero, zero, zero}, moment{zero, zero, zero};
-    constexpr bool both_ways = lanes == 1 && Watched;
+    const bool both_ways = lanes == 1 && Watched && p.depth > most_layers;
     const std::uint32_t last = p.depth - 1, visits = both_ways ? 2 * last : last;
     for (std::uint32_t n = 0; n <= visits; ++n) {
       const std::uint32_t k = n <= last ? n : visits - n;

@@ -1,0 +1,8 @@
+// Scenes of SimBenchmark in Bullet; the scene, the measuring and the checking are those of
+// every engine.
+#include "scenes/bullet_engine.hpp"
+#include "scenes/simbench_protocol.hpp"
+
+int main(int argc, char** argv) {
+  return bench::guarded([&] { bench::run_simbench<bench::bullet_engine>({argc, argv}); });
+}
