@@ -50,7 +50,7 @@ class material_name {
 // If material{...} is given an unknown field, g++ prints the namespaces of a type, which list its
 // fields, and clang the nearest field. Written by ./dev docs --sheet, as those of bodies and
 // joints.
-inline namespace a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_and_rolling_friction {
+inline namespace a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_rolling_friction_name_and_colour {
 
 /// The material of bodies.
 struct material {
@@ -78,7 +78,7 @@ struct material {
 };
 
 }  // namespace
-   // a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_and_rolling_friction
+   // a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_rolling_friction_name_and_colour
 
 /// Predefined materials of the pe tutorial, densities in g/cm^3.
 namespace materials {
