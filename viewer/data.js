@@ -92,7 +92,7 @@ class run_data {
     this.all = [], this.heads = [], this.places = [];
     this.add(heads);
     const told = { ...about, ...about.end };
-    this.materials = told.materials || [], this.look = told.look;
+    this.materials = told.materials || [], this.look = told.look, this.colour = told.colour || told.look?.colour;
     this.table = new body_table();
     this.forms = [];
     this.filled = 0; // heads whose rows are in the table

@@ -216,7 +216,7 @@ function talus_view() {
 
   function list_modes() {
     const names = Object.keys(colour_modes).filter((n) => colour_modes[n].fits(run));
-    if (!names.includes(state.mode)) state.mode = [run.look?.colour, ...usual_modes(run), names[0]].find((n) => names.includes(n));
+    if (!names.includes(state.mode)) state.mode = [run.colour, ...usual_modes(run), names[0]].find((n) => names.includes(n));
     $("colour").replaceChildren(...names.map((n) => new Option(colour_modes[n].label, n, false, n === state.mode)));
   }
   function show_legend() {

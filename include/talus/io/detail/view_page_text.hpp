@@ -249,7 +249,7 @@ class run_data {
     this.all = [], this.heads = [], this.places = [];
     this.add(heads);
     const told = { ...about, ...about.end };
-    this.materials = told.materials || [], this.look = told.look;
+    this.materials = told.materials || [], this.look = told.look, this.colour = told.colour || told.look?.colour;
     this.table = new body_table();
     this.forms = [];
     this.filled = 0; // heads whose rows are in the table
@@ -376,9 +376,9 @@ class orbit {
       if (pointers.size === 1) moved = 0;
     });
     canvas.addEventListener("pointermove", (e) => {
-      const before = pointers.get(e.pointerId);
   )page",
-    R"page(    if (!before) return;
+    R"page(    const before = pointers.get(e.pointerId);
+      if (!before) return;
       const [x, y] = at(e), dx = x - before[0], dy = y - before[1];
       pointers.set(e.pointerId, [x, y]), moved += Math.abs(dx) + Math.abs(dy);
       if (pointers.size === 2) {
@@ -656,10 +656,10 @@ class hidden_spheres {
         const q0 = q[k], q1 = q[k + 1], q2 = q[k + 2];
         u += b0 * q0 + b1 * q1 + b2 * q2, v += b3 * q0 + b4 * q1 + b5 * q2, w += b6 * q0 + b7 * q1 + b8 * q2;
       }
-      const depth = -w;
+      const dept)page",
+    R"page(h = -w;
       z[i] = -1;
-      if (depth <= 0) c)page",
-    R"page(ontinue;
+      if (depth <= 0) continue;
       const scale = pixels / depth, size = radius[i] * scale;
       u = middle + u * scale, v = centre - v * scale;
       if (u < 0 || v < 0 || u > width || v > height) continue; // points go with their centres
@@ -906,8 +906,8 @@ class body_group {
   // Leaves out the points that others hide. Positions are mixed as in the shader.
   hide(view, width, height, pixels) {
     const g = this.geometry, u = this.material.uniforms, a = g.attributes;
-    // Where most are seen, as in a thin cloud, t)page",
-    R"page(he search does not pay: it pauses for some pictures.
+ )page",
+    R"page(   // Where most are seen, as in a thin cloud, the search does not pay: it pauses for some pictures.
     if (this.pause > 0) --this.pause;
     if (this.material.transparent || this.pause > 0) {
       if (g.index) g.setIndex(null), g.setDrawRange(0, this.count);
@@ -1145,8 +1145,8 @@ function facts_of(frame, i) {
   const v = frame.blocks.velocity;
   if (v && !(t.flags[r] & 2)) {
     put("velocity", vector([0, 1, 2].map((k) => v[3 * i + k] * frame.head.speed_cell)));
-    put("speed", short_number(+frame.speed(i).toPrecision(4)))page",
-    R"page();
+    put("spee)page",
+    R"page(d", short_number(+frame.speed(i).toPrecision(4)));
   }
   if (frame.blocks.asleep && frame.blocks.asleep[i]) put("state", "asleep");
   if (frame.blocks.force) {
@@ -1367,8 +1367,8 @@ function talus_view() {
   };
   const mode = () => colour_modes[state.mode];
   function colour_bodies() {
-    const f = state.frame, m = mode(), flags = run.table.flags, rows = f.rows, n = )page",
-    R"page(f.count;
+    const f = state.frame, m = mode)page",
+    R"page((), flags = run.table.flags, rows = f.rows, n = f.count;
     if (colours.length < 4 * n) colours = new Uint8Array(8 * n);
     const to = new Uint32Array(colours.buffer), word = ([r, g, b]) => (255 << 24) | (b << 16) | (g << 8) | r;
     const wall = word(grey_of_wall), picked = word([255, 40, 220]);
@@ -1561,7 +1561,7 @@ function talus_view() {
 
   function list_modes() {
     const names = Object.keys(colour_modes).filter((n) => colour_modes[n].fits(run));
-    if (!names.includes(state.mode)) state.mode = [run.look?.colour, ...usual_modes(run), names[0]].find((n) => names.includes(n));
+    if (!names.includes(state.mode)) state.mode = [run.colour, ...usual_modes(run), names[0]].find((n) => names.includes(n));
     $("colour").replaceChildren(...names.map((n) => new Option(colour_modes[n].label, n, false, n === state.mode)));
   }
   function show_legend() {
@@ -1600,9 +1600,9 @@ function talus_view() {
     show_body(), again("recolour")();
     return i;
   }
-  function toggle() {
-    if (state.playing) r)page",
-    R"page(eturn stop();
+  fu)page",
+    R"page(nction toggle() {
+    if (state.playing) return stop();
     if (state.at >= run.heads.length - 1) state.at = 0, require(0);
     state.playing = true, ($("play").innerHTML = "&#10074;&#10074;"), (state.clock = performance.now());
   }

@@ -35,6 +35,7 @@ class run_view {
         name_(std::move(name)),
         every_(o.view_every),
         by_itself_(o.view_every == 0),
+        colour_(o.colour),
         frames_(o.view_contacts) {
     if (w.rank() == 0) page_ = std::make_unique<view_page>(o.view, o.force);
   }
@@ -116,6 +117,7 @@ class run_view {
     if constexpr (Scenario::contact_law::soft) about.add_raw("soft", "true");
     const material_table& materials = view_of(w_).materials;
     about.add_raw("materials", view_materials(materials));
+    if (!colour_.empty()) about.add_text("colour", colour_);
     if (w_.look()) about.add_raw("look", view_look(*w_.look()));
     return about.str();
   }
@@ -141,6 +143,7 @@ class run_view {
   std::string name_;
   std::uint64_t every_;
   bool by_itself_;                          ///< the interval follows the length of the run
+  std::string colour_;                 ///< of bodies at the beginning; empty: as usual
   plain_vector<std::uint64_t> steps_;       ///< of the frames
   std::uint64_t last_ = ~std::uint64_t{0};  ///< step of the last frame
   bool begun_ = false;
