@@ -35,9 +35,9 @@ using pile = scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction>
 /// A small heap, some bodies of which appear in step 20; what bodies there are at the end.
 int make_page(const std::string& file, int ranks, std::map<std::uint64_t, vec3>& at_end,
               std::vector<std::string> more = {}) {
-  std::vector<std::string> words{"heap",          "--view",  file, "--view-every", "10",
-                                 "--quiet",       "--steps", "40", "--dt",         "0.01",
-                                 "--reproducible"};
+  std::vector<std::string> words{"heap",           "--view",         file, "--view-every", "10",
+                                 "--quiet",        "--steps",        "40", "--dt",         "0.01",
+                                 "--reproducible", "--view-contacts"};
   words.insert(words.end(), {"--ranks", std::to_string(ranks)});
   words.insert(words.end(), more.begin(), more.end());
   std::vector<char*> argv;
@@ -141,9 +141,9 @@ TEST_CASE("a reproducible run has the same page on 1 and 4 ranks, but for the ra
   for (std::size_t k = 0; k < x.size(); ++k) {
     for (const char* name : {"step", "position_error", "speed_cell", "force_cell", "contacts_of"})
       CHECK(x[k].found(name) == y[k].found(name));
-    for (const char* name :
-         {"position", "rows", "new_id", "new_size", "new_mass", "new_flags", "velocity",
-          "orientation", "contact_a", "contact_b", "contact_point", "contact_force"}) {
+    for (const char* name : {"position", "rows", "new_id", "new_size", "new_mass", "new_flags",
+                             "velocity", "orientation", "force", "touching", "contact_a",
+                             "contact_b", "contact_point", "contact_force"}) {
       CAPTURE(k);
       CAPTURE(name);
       REQUIRE(x[k].has(name) == y[k].has(name));

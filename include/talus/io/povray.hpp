@@ -177,20 +177,27 @@ class povray_scene {
     if constexpr (std::remove_cvref_t<decltype(b.shape())>::finite) add_placement(out_, b.pose());
     paint(colour, transmit);
   }
-  /// A ball whose size follows from the bodies, dark so that it differs from these; and a bar
-  /// between points that are apart, as those of a rod.
+  /// A ball whose size follows from the bodies, dark so that it differs from these; bars to the
+  /// centres of the bodies, and one between points that are apart, as those of a rod.
   void add_joint(const joint_in_world& x) {
     const vec3 colour(0.12, 0.12, 0.14);
     const real size = real(0.12) * std::min(room(x.centre_a, x.point_a, x.centre_b, x.point_b),
                                             real(0.1) * (upper_ - lower_).norm());
     if (!(size > 0)) return;
-    for (const vec3& at : {x.point_a, x.point_b}) {
+    const auto bar = [&](const vec3& from, const vec3& to, real thickness) {
+      if ((from - to).norm() < size) return false;
+      out_ << "cylinder{" << from << "," << to << "," << thickness << " ";
+      paint(colour, 0);
+      return true;
+    };
+    const auto ball = [&](const vec3& at) {
       out_ << "sphere{" << at << "," << size << " ";
       paint(colour, 0);
-      if ((x.point_a - x.point_b).norm() < size) return;
-    }
-    out_ << "cylinder{" << x.point_a << "," << x.point_b << "," << real(0.5) * size << " ";
-    paint(colour, 0);
+    };
+    ball(x.point_a);
+    if (bar(x.point_a, x.point_b, real(0.5) * size)) ball(x.point_b);
+    (void)bar(x.centre_a, x.point_a, real(0.3) * size);
+    (void)bar(x.centre_b, x.point_b, real(0.3) * size);
   }
   /// The longest arm of a joint.
   [[nodiscard]] static real room(const vec3& a, const vec3& at_a, const vec3& b, const vec3& at_b) {

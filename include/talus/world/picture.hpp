@@ -22,8 +22,8 @@ struct picture {
   bool copies = false;   ///< show shadow copies, as thin shells, in the colour of their holder
   bool domains = false;  ///< show the domain of each rank, as glass
   bool ground = true;    ///< show planes, those that face the camera
-  bool joints = true;    ///< show joints: a ball at each, and a bar if its points are apart
-  bool force = false;    ///< replace a file that is not a picture of talus
+  bool joints = true;  ///< show joints: a ball at each, bars to its bodies and between points apart
+  bool force = false;  ///< replace a file that is not a picture of talus
   /// a body, handle.id: `from` and `at` are measured from its centre and move with it; one rank may
   /// know it alone
   system_id follow = no_id;

@@ -143,7 +143,7 @@ class run_view {
   std::string name_;
   std::uint64_t every_;
   bool by_itself_;                          ///< the interval follows the length of the run
-  std::string colour_;                 ///< of bodies at the beginning; empty: as usual
+  std::string colour_;                      ///< of bodies at the beginning; empty: as usual
   plain_vector<std::uint64_t> steps_;       ///< of the frames
   std::uint64_t last_ = ~std::uint64_t{0};  ///< step of the last frame
   bool begun_ = false;
