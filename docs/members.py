@@ -79,7 +79,7 @@ SHEET = [
     ]),
     ("Options", "What `run` reads from the command line, and the settings of single functions.", [
         ("scene/options.hpp", "options", "options"),
-        ("io/povray.hpp", "picture", "picture"),
+        ("world/picture.hpp", "picture", "picture"),
         ("scene/inflow.hpp", "inflow", "inflow"),
         ("scene/inflow.hpp", "inserted", "inserted"),
         ("scene/outflow.hpp", "removed", "removed"),
@@ -144,7 +144,7 @@ FIELDS = [
     ("sleep_settings", "features/sleeping/sleep_state.hpp", "sleep_settings", "world.sleeping({...})"),
     ("servo", "body/servo.hpp", "servo", "world.hold_force(body, {...})"),
     ("inflow", "scene/inflow.hpp", "inflow", "insert_by_rate(world, {...}, region, make)"),
-    ("picture", "io/povray.hpp", "picture", "take_pictures(world, options, {...})"),
+    ("picture", "world/picture.hpp", "picture", "take_pictures(world, options, {...})"),
     ("field_grid", "observe/fields.hpp", "field_grid", "measure_fields(world, {...})"),
     ("grid", "parallel/grid.hpp", "grid", "world.decompose({...}) of a grid"),
     ("rectilinear", "parallel/rectilinear.hpp", "rectilinear", "world.decompose({...}) of a rectilinear grid"),

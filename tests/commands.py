@@ -52,6 +52,10 @@ INSTEAD = {
         "./dev sweep drop --vary iterations=5,10,20 --repeat 10 -n 16 --slurm --time 02:00:00 --jobs 8 && "
         "bash -n sweep_drop/sweep.sh",
     "./dev run NAME [-n RANKS] [OPTIONS]": "./dev run drop -n 2 --seed 3",
+    "./dev run NAME --movie FILE": "./dev run drop --movie ~/drop.gif --every 100",
+    "./dev run heap --movie heap.mp4 --every 20": "./dev run drop --movie ~/drop.mp4 --every 100",
+    "./dev run hopper --movie hopper.mp4 --every 20": "./dev run hopper --movie ~/hopper.mp4 --every 100",
+    "./dev render DIR --movie FILE.gif --rate 10": "./dev render ~/heap/pictures --movie ~/heap.gif --rate 10",
     "./dev run NAME -n RANKS": "./dev run drop -n 3",
     "./dev render DIR": "./dev render ~/heap/pictures",
     "./dev render DIR [--frame N] [--quality fast]": "./dev render ~/heap/pictures --frame last --quality fast",

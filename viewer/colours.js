@@ -25,15 +25,25 @@ const viridis = ramp_through([[68, 1, 84], [71, 45, 123], [59, 82, 139], [44, 11
 const heat = ramp_through([[86, 130, 176], [126, 110, 170], [190, 70, 110], [226, 70, 45], [240, 140, 20], [250, 200, 40]]);
 const grey_of_wall = [168, 160, 148];
 
+const colour_of_material = (run, k) => run.materials[k]?.colour?.map((x) => Math.round(255 * x)) || colour_of_number(k);
+
+// The first of these that a run has: what the program tells apart, ranks, other materials.
+const usual_modes = (run) => [...(run.materials.some((m) => m.name || m.colour) ? ["material"] : []),
+  ...(run.most("ranks") > 1 ? ["rank"] : []), "material", "speed"];
+
 // What bodies may be coloured by. `value(frame, i)` is a number; `range(run)` its least and largest
-// value; modes without a range have one colour for each number.
+// value; modes without a range have one colour for each number, which the legend lists.
 const colour_modes = {
-  rank: { label: "rank", fits: (run) => run.has("rank"), value: (f, i) => f.rank[i] },
+  rank: { label: "rank", fits: (run) => run.has("rank"), value: (f, i) => f.rank[i],
+    colour: (run, k) => colour_of_number(k), name: (run, k) => "rank " + k,
+    listed: (run) => [...Array(run.most("ranks")).keys()] },
   speed: { label: "speed", fits: (run) => run.has("velocity"), ramp: viridis, value: (f, i) => f.speed(i),
-    range: (run) => [0, run.most("speed_max")] },
+    range: (run) => [0, run.look?.fastest || run.most("speed_max")] },
   size: { label: "size", fits: () => true, ramp: viridis, value: (f, i) => f.run.reach(f.rows[i]),
     range: (run) => run.sizes() },
-  material: { label: "material", fits: (run) => run.has("material"), value: (f, i) => f.run.table.material[f.rows[i]] },
-  force: { label: "force", fits: (run) => run.has("contacts"), ramp: heat, value: (f, i) => f.forces()[i],
+  material: { label: "material", fits: (run) => run.has("material"), value: (f, i) => f.run.table.material[f.rows[i]],
+    colour: colour_of_material, name: (run, k) => run.name_of_material(k), listed: (run) => run.materials_in_use(),
+    own_colour: (run, k) => Boolean(run.materials[k]?.colour) },
+  force: { label: "force", fits: (run) => run.has("forces"), ramp: heat, value: (f, i) => f.force(i),
     range: (run) => [0, 6 * run.most("force_mean")] },
 };

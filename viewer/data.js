@@ -67,18 +67,16 @@ class moment {
     const n = this.turned(i), q = this.blocks.orientation;
     return n < 0 || !q ? [0, 0, 0, 1] : [0, 1, 2, 3].map((k) => q[4 * n + k] / 32767);
   }
-  // Sum of the sizes of the contact forces on each body.
-  forces() {
-    if (this.sums) return this.sums;
-    this.sums = new Float32Array(this.count);
-    this.touching = new Uint16Array(this.count);
-    const { contact_a: a, contact_b: b, contact_force: f } = this.blocks;
-    for (let k = 0; a && k < a.length; ++k) {
-      const force = f[k] * this.head.force_cell;
-      for (const i of [a[k], b[k]])
-        if (i !== none) this.sums[i] += force, ++this.touching[i];
-    }
-    return this.sums;
+  // Sum of the sizes of the contact forces on body i.
+  force(i) {
+    const f = this.blocks.force;
+    if (!f) return 0;
+    return f[i] * (this.run.table.flags[this.rows[i]] & 1 ? this.head.wall_force_cell : this.head.body_force_cell);
+  }
+  // Index of a body, of a union its first part, by its id, or -1.
+  index_of_id(id) {
+    const { id: ids, part } = this.run.table;
+    return this.rows.findIndex((r) => ids[r] === id && part[r] === 0);
   }
   // Index of a body by its row, or -1.
   index_of(row) {
@@ -87,25 +85,47 @@ class moment {
 }
 
 class run_data {
-  // `heads` of the frames; `fetch(k)` gives the bytes of frame k, or a promise of them.
+  // `heads` of the frames; `fetch(k)` gives the bytes that belong to head k, or a promise of them. Some
+  // heads only add rows to the table: `all` has them, too, and `places` tells where those of frames are.
   constructor(about, heads, fetch) {
-    Object.assign(this, { about, heads, fetch });
+    Object.assign(this, { about, fetch });
+    this.all = [], this.heads = [], this.places = [];
+    this.add(heads);
+    const told = { ...about, ...about.end };
+    this.materials = told.materials || [], this.look = told.look, this.colour = told.colour || told.look?.colour;
     this.table = new body_table();
     this.forms = [];
-    this.filled = 0; // frames whose rows are in the table
+    this.filled = 0; // heads whose rows are in the table
     this.cache = new Map();
     this.room = 256 << 20; // bytes of decoded frames that are kept
     this.held = 0;
   }
+  add(heads) {
+    for (const h of heads) {
+      if (!h.table) this.heads.push(h), this.places.push(this.all.length);
+      this.all.push(h);
+    }
+  }
   // Whether any frame has such data.
   has(what) {
-    const block = { contacts: "contact_a", joints: "joint_a" }[what] || what;
-    if (what === "material") return new Set(this.table.material.subarray(0, this.table.length)).size > 1;
+    const block = { contacts: "contact_a", joints: "joint_a", forces: "force" }[what] || what;
+    if (what === "material") return this.materials.some((m) => m.name || m.colour) ||
+      new Set(this.table.material.subarray(0, this.table.length)).size > 1;
     if (what === "rank") return this.heads.some((h) => h.blocks.rank) || this.heads.every((h) => h.ranks === 1);
     return this.heads.some((h) => (block === "domains" ? h.domains && h.domains.length > 1 : h.blocks[block] && h.blocks[block][2] > 0));
   }
   most(name) {
     return Math.max(0, ...this.heads.map((h) => h[name] || 0));
+  }
+  name_of_material(k) {
+    return this.materials[k]?.name || "material " + k;
+  }
+  // The numbers of the materials in the table: of movable bodies, and of walls if they have a colour.
+  materials_in_use() {
+    const t = this.table, used = new Set();
+    for (let r = 0; r < t.length; ++r)
+      if (!(t.flags[r] & 1) || this.materials[t.material[r]]?.colour) used.add(t.material[r]);
+    return [...used].sort((a, b) => a - b);
   }
   // Least and largest size of the movable bodies.
   sizes() {
@@ -129,7 +149,7 @@ class run_data {
       return kept;
     }
     const bytes = await this.fetch(k), blocks = {};
-    for (const [name, [type, at, n]] of Object.entries(this.heads[k].blocks))
+    for (const [name, [type, at, n]] of Object.entries(this.all[k].blocks))
       blocks[name] = new number_types[type](bytes.buffer, bytes.byteOffset + at, n);
     this.cache.set(k, blocks), this.held += bytes.byteLength;
     blocks.bytes = bytes.byteLength;
@@ -141,24 +161,26 @@ class run_data {
   }
   // Frame k with all that it shares with earlier ones.
   async load(k) {
-    for (; this.filled <= k; ++this.filled) {
-      const head = this.heads[this.filled];
+    const place = this.places[k];
+    for (; this.filled <= place; ++this.filled) {
+      const head = this.all[this.filled];
       if (!head.blocks.new_id) continue;
       const blocks = await this.blocks_of(this.filled);
       this.table.append(blocks);
       for (const form of head.forms || [])
         this.forms.push({ points: blocks["form_points_" + form], corners: blocks["form_corners_" + form] });
     }
-    const blocks = await this.blocks_of(k);
-    let at = k;
-    while (!this.heads[at].blocks.rows) --at;
-    const rows = at === k ? blocks.rows : (await this.blocks_of(at)).rows;
+    const blocks = await this.blocks_of(place);
+    let at = place;
+    while (!this.all[at].blocks.rows) --at;
+    const rows = at === place ? blocks.rows : (await this.blocks_of(at)).rows;
     const rank = blocks.rank || new Uint16Array(rows.length);
     return new moment(this, k, this.heads[k], blocks, rows, rank);
   }
   domains_at(k) {
-    while (k >= 0 && !this.heads[k].domains) --k;
-    return k < 0 ? [] : this.heads[k].domains;
+    let at = this.places[k];
+    while (at >= 0 && !this.all[at].domains) --at;
+    return at < 0 ? [] : this.all[at].domains;
   }
 }
 

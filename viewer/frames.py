@@ -65,8 +65,8 @@ def quantised(points, smallest):
 class Converter:
     """Turns the files of a series into frames, one after another."""
 
-    def __init__(self, base):
-        self.base = base
+    def __init__(self, base, each_contact=False):
+        self.base, self.each_contact = base, each_contact
         self.rows = {}  # bytes of the unchanging properties of a body: its row
         self.forms = 0
         self.forms_of = {}  # (id, part): form
@@ -232,7 +232,7 @@ class Converter:
             return
         values["normal_force_mean"] = float(c["normal_force"][good].mean())
         values["normal_force_max"] = float(c["normal_force"][good].max())
-        good = good[np.lexsort((c["id_b"][good], c["id_a"][good], -force[good]))][:MOST_CONTACTS]
+        head["force_mean"] = float(force[good].mean())
         # The part of a union with the lowest index stands for it.
         order = np.argsort(data["id"], kind="stable")
         sorted_ids = data["id"][order]
@@ -240,13 +240,28 @@ class Converter:
         def index(ids):
             at = np.minimum(np.searchsorted(sorted_ids, ids), len(order) - 1)
             return np.where(sorted_ids[at] == ids, order[at], NONE)
+        # The sum of the sizes of the contact forces on each body; its parts have that of the whole.
+        sums, touching = np.zeros(len(order) + 1), np.zeros(len(order) + 1, dtype="i8")
+        for side in ("id_a", "id_b"):
+            at = np.minimum(index(c[side][good]), len(order))
+            np.add.at(sums, at, force[good])
+            np.add.at(touching, at, 1)
+        whole = index(data["id"])
+        sums, touching, wall = sums[whole], touching[whole], data["fixed"] > 0
+        cells = [max(float(sums[of].max(initial=0)) / 65535, 1e-300) for of in (~wall, wall)]
+        blocks.put("force", np.minimum(np.rint(sums / np.where(wall, cells[1], cells[0])), 65535), "u2")
+        blocks.put("touching", np.minimum(touching, 255), "u1")
+        head.update(body_force_cell=cells[0], wall_force_cell=cells[1])
+        if not self.each_contact:
+            return
+        good = good[np.lexsort((c["id_b"][good], c["id_a"][good], -force[good]))][:MOST_CONTACTS]
         blocks.put("contact_a", index(c["id_a"][good]), "u4")
         blocks.put("contact_b", index(c["id_b"][good]), "u4")
         place = (c["point"][good] - lower) / cell
         blocks.put("contact_point", place if kind == "f4" else np.clip(np.rint(place), 0, 65535), kind)
         force_cell = max(float(force[good].max()) / 65535, 1e-30)
         blocks.put("contact_force", np.rint(force[good] / force_cell), "u2")
-        head.update(force_cell=force_cell, force_mean=float(force[good].mean()))
+        head["force_cell"] = force_cell
 
 
 def rotated_back(q, points):

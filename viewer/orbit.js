@@ -76,6 +76,21 @@ class orbit {
     this.target.add(new THREE.Vector3(e[4], e[5], e[6]).multiplyScalar(dy * scale));
     this.changed();
   }
+  // A camera at a place that looks at a point.
+  look(from, at, up, fov) {
+    this.frame(up);
+    this.camera.fov = fov;
+    const way = from.clone().sub(at);
+    this.target.copy(at), this.distance = Math.max(way.length(), 1e-12);
+    way.multiplyScalar(1 / this.distance);
+    this.height = Math.max(-1.55, Math.min(1.55, Math.asin(Math.max(-1, Math.min(1, way.dot(this.up))))));
+    this.angle = Math.atan2(way.dot(this.front), way.dot(this.side));
+    this.changed();
+  }
+  move(x, y, z) {
+    this.target.x += x, this.target.y += y, this.target.z += z;
+    this.changed();
+  }
   // Looks at a sphere, as near as it fits into the picture.
   fit(centre, radius) {
     const half = (this.camera.fov * Math.PI) / 360, wide = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));

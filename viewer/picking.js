@@ -2,6 +2,7 @@
 
 // Where a ray, in the frame of a body, meets its form; Infinity if it does not.
 function ray_meets(kind, form, size, from, way) {
+  if (kind.shape === shape.plane && way.z >= 0) return Infinity; // from behind it is not drawn
   if (kind.form >= 0) {
     let best = Infinity;
     const { points: p, corners: c } = form;
@@ -63,7 +64,7 @@ function facts_of(frame, i) {
   if (t.shape[r] === shape.sphere) put("radius", short_number(size[0] / 2));
   else if (t.shape[r] !== shape.plane) put("size", vector(size));
   if (t.mass[r] > 0 && !(t.flags[r] & 1)) put("mass", short_number(+t.mass[r].toPrecision(5)));
-  put("material", t.material[r]);
+  put("material", run.name_of_material(t.material[r]).replace(/^material /, ""));
   if (!(t.flags[r] & 2)) put("rank", frame.rank[i]);
   put("position", vector(frame.place(i, [0, 0, 0])));
   const error = frame.head.position_error;
@@ -74,10 +75,10 @@ function facts_of(frame, i) {
     put("speed", short_number(+frame.speed(i).toPrecision(4)));
   }
   if (frame.blocks.asleep && frame.blocks.asleep[i]) put("state", "asleep");
-  if (frame.blocks.contact_a) {
-    const force = frame.forces()[i];
-    put("contacts", frame.touching[i]);
-    put("force", short_number(+force.toPrecision(4)) + " in all");
+  if (frame.blocks.force) {
+    const touching = frame.blocks.touching[i];
+    put("contacts", touching < 255 ? touching : "255 or more");
+    put("force", short_number(+frame.force(i).toPrecision(4)) + " in all");
   }
   return rows;
 }

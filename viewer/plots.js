@@ -25,14 +25,17 @@ function ticks_between(low, high, about) {
 
 // What is plotted: names of values in the heads, by figure. What a run has not is left out.
 const figures = [
-  { title: "Energy", unit: "M L²/T²", names: { kinetic_energy: "kinetic", potential_energy: "potential", total_energy: "sum" } },
+  { title: "Energy", unit: "M L²/T²", names: { kinetic_energy: "kinetic", potential_energy: "potential", energy_elastic: "elastic (contacts)",
+    energy_of_motion: "kinetic + potential", total_energy: "sum" } },
   { title: "Energy book", unit: "M L²/T²", names: { energy_work: "work", energy_friction: "friction", energy_impact: "impacts",
-    energy_damping: "damping", energy_correction: "position correction", energy_scheme: "time stepping", energy_sleep: "sleep" } },
-  { title: "Error of the energy book", unit: "", log: true, names: { energy_error: "now", energy_error_worst: "worst so far" } },
+    energy_damping: "damping", energy_correction: "position correction", energy_scheme: "time stepping", energy_sleep: "sleep",
+    energy_motors: "motors", energy_springs: "springs of joints", energy_joint_friction: "friction of joints" } },
+  { title: "Error of the energy book", unit: "", log: true, names: { energy_error: "last step", energy_error_worst: "worst step" } },
   { title: "Overlap", unit: "mean radii", log: true, names: { penetration_mean: "mean", penetration_max: "largest" } },
   { title: "Overlap by the monitor", unit: "mean radii", log: true,
-    names: { overlap_mean: "mean", overlap_max: "largest", overlap_worst: "largest so far" } },
-  { title: "Contact residual", unit: "", log: true, names: { contact_residual: "residual", contact_residual_worst: "worst contact" } },
+    names: { overlap_mean: "mean", overlap_max: "largest", overlap_worst: "worst step" } },
+  { title: "Contact residual", unit: "", log: true, names: { contact_residual: "all contacts", contact_residual_max: "worst contact",
+    contact_residual_worst: "worst step" } },
   { title: "Momentum balance", unit: "", log: true, names: { momentum_error: "error" } },
   { title: "Weight borne by contacts", unit: "over the weight", names: { borne_weight: "borne" } },
   { title: "Largest speed", unit: "L/T", names: { max_speed: "speed" } },
@@ -130,7 +133,11 @@ function draw_plots(parent, run) {
   const heads = run.heads.map((h) => h.values || {}), times = run.heads.map((h) => h.time), all = [];
   if (heads.length < 2) return all;
   for (const v of heads)
-    if (v.kinetic_energy !== undefined && v.potential_energy !== undefined) v.total_energy = v.kinetic_energy + v.potential_energy;
+    if (v.kinetic_energy !== undefined && v.potential_energy !== undefined) {
+      // Without the energy of springs in contacts the sum of the two is not what a run conserves.
+      const sum = v.kinetic_energy + v.potential_energy, elastic = v.energy_elastic;
+      v[elastic === undefined && run.about.soft ? "energy_of_motion" : "total_energy"] = sum + (elastic || 0);
+    }
   const known = new Set([...figures.flatMap((f) => Object.keys(f.names)), "momentum_x", "momentum_y", "momentum_z",
     "energy_initial", "energy_changes"]);
   const present = [...new Set(heads.flatMap((v) => Object.keys(v)))];

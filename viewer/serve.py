@@ -26,15 +26,15 @@ class Source:
     """The frames of a series so far. Their bytes lie in a temporary file without a name, not in memory: it is gone with the
     process, however that ends."""
 
-    def __init__(self, base, every, csv_file):
-        self.base, self.every, self.csv_file = base, every, csv_file
+    def __init__(self, base, every, csv_file, each_contact=False):
+        self.base, self.every, self.csv_file, self.each_contact = base, every, csv_file, each_contact
         self.store = tempfile.TemporaryFile(buffering=0)
         self.lock = threading.Lock()
         self.series = 0
         self.begin()
 
     def begin(self):
-        self.converter = frames.Converter(self.base)
+        self.converter = frames.Converter(self.base, self.each_contact)
         self.series += 1
         self.files, self.heads, self.places = [], [], [0]
         self.ready = None  # a frame that is converted, but not stored
@@ -147,7 +147,7 @@ def serve(o, base):
     whole = (before + page.three() + between + page.script_of("about", view.about(base, names, live=True)) + end).encode()
     token = secrets.token_urlsafe(16)
     try:
-        source = Source(base, o.every, o.csv)
+        source = Source(base, o.every, o.csv, o.contacts)
     except OSError as error:
         sys.exit(f"view: no temporary file can be made ({error.strerror}): name another folder in TMPDIR")
     try:

@@ -108,7 +108,10 @@ varying vec3 shade, facing, eye;
 varying vec2 on_grid;
 void main() {
   vec3 normal = normalize(facing);
-  if (dot(normal, eye) > 0.0) normal = -normal;
+  if (dot(normal, eye) > 0.0) {
+    if (gridded > 0.5) discard; // a plane from behind would hide what it bears
+    normal = -normal;
+  }
   float solid = opacity;
 #ifdef GL_OES_standard_derivatives
   if (gridded > 0.5) {

@@ -12,7 +12,7 @@ function talus_view() {
   } catch (error) {
     say("This browser draws no WebGL: " + error.message);
   }
-  const state = { at: 0, mode: "rank", playing: false, speed: 1, picked: null, frame: null, next: null, dirty: true, drawn: 0 };
+  const state = { at: 0, mode: null, playing: false, speed: 1, picked: null, followed: null, followed_at: null, frame: null, next: null, dirty: true, drawn: 0 };
   let plots = [], control, wanted = 0, loading = null, colours = new Uint8Array(0), written = 0;
   const api = (window.talus = { run, state, stage, frames: () => run.heads.length });
 
@@ -36,7 +36,7 @@ function talus_view() {
       const hues = [];
       for (let i = 0; i < n; ++i) {
         const k = m.value(f, i);
-        to[i] = flags[rows[i]] & 1 ? wall : hues[k] ?? (hues[k] = word(colour_of_number(k)));
+        to[i] = flags[rows[i]] & 1 && !m.own_colour?.(run, k) ? wall : hues[k] ?? (hues[k] = word(m.colour(run, k)));
       }
     }
     if (state.picked !== null && f.index_of(state.picked) >= 0) to[f.index_of(state.picked)] = picked;
@@ -80,10 +80,27 @@ function talus_view() {
     if (width.length) stage.lines.domains.show(width.length, from, to, width, colour, false);
     else stage.lines.domains.hide();
   }
+  // Where the followed body is between two frames, or null.
+  function place_of_followed() {
+    const f = state.frame, i = f.index_of_id(state.followed);
+    if (i < 0) return null;
+    const p = f.place(i, [0, 0, 0]), q = state.next ? state.next.place(i, [0, 0, 0]) : p, part = state.at - f.number;
+    return state.next ? p.map((x, k) => x + part * (q[k] - x)) : p;
+  }
+  function move_camera() {
+    const at = state.followed === null ? null : place_of_followed();
+    if (at && state.followed_at) control.move(...at.map((x, k) => x - state.followed_at[k]));
+    if (at) state.followed_at = at;
+  }
+  function follow_body(id) {
+    state.followed = id, state.followed_at = null;
+    if (state.frame) move_camera(), show_body();
+  }
   function show_frame(frame, next, part) {
     const new_frame = frame !== state.frame;
     Object.assign(state, { frame, next });
     stage.show(frame, next, part);
+    move_camera();
     if (new_frame || state.recolour) colour_bodies(), (state.recolour = false);
     if (new_frame || state.relink) show_lines(), (state.relink = false);
     stage.look({ walls: +$("walls").value, ghost: $("ghost").checked || $("contacts").checked });
@@ -105,6 +122,8 @@ function talus_view() {
     const i = state.picked === null ? -1 : state.frame.index_of(state.picked);
     $("body").hidden = i < 0;
     if (i < 0) return;
+    $("follow").hidden = Boolean(run.table.flags[state.picked] & 1);
+    $("follow").setAttribute("aria-pressed", run.table.id[state.picked] === state.followed);
     const table = $("body").querySelector("table");
     table.replaceChildren(...facts_of(state.frame, i).map(([name, value]) => {
       const row = document.createElement("tr"), head = document.createElement("th"), cell = document.createElement("td");
@@ -112,13 +131,14 @@ function talus_view() {
       return row;
     }));
   }
+  const same_rows = (k, next) => run.all.slice(run.places[k] + 1, run.places[next] + 1).every((h) => !h.blocks.rows);
   // Loads the frame before `at`, and the one after it, and shows the moment between them.
   async function show(at) {
     state.at = Math.max(0, Math.min(run.heads.length - 1, at));
     const k = Math.floor(state.at + 1e-9), part = state.at - k;
     const frame = state.frame && state.frame.number === k ? state.frame : await run.load(k);
     let next = null;
-    if (part > 1e-6 && k + 1 < run.heads.length && !run.heads[k + 1].blocks.rows)
+    if (part > 1e-6 && k + 1 < run.heads.length && same_rows(k, k + 1))
       next = state.next && state.next.number === k + 1 ? state.next : await run.load(k + 1);
     if (stage) show_frame(frame, next, part);
     redraw();
@@ -180,18 +200,36 @@ function talus_view() {
       if (t.shape[f.rows[i]] === shape.plane) state.reach = Math.max(state.reach, 1.5 * run.reach(f.rows[i]));
   }
   const fit = () => control.fit(state.centre, state.radius);
+  // The view of the program, whose angle is that of the width of a picture of 4 by 3; without one, everything.
+  function first_view() {
+    const look = run.look, vector = (v) => new THREE.Vector3(...v);
+    if (!look) return fit();
+    const from = vector(look.from), at = vector(look.at);
+    if (look.follow !== undefined) {
+      follow_body(BigInt(look.follow));
+      if (state.followed_at) from.add(vector(state.followed_at)), at.add(vector(state.followed_at));
+    }
+    control.look(from, at, vector(look.up), (360 / Math.PI) * Math.atan(0.75 * Math.tan((look.angle * Math.PI) / 360)));
+  }
 
   // --- Controls --------------------------------------------------------------------------------
 
   function list_modes() {
     const names = Object.keys(colour_modes).filter((n) => colour_modes[n].fits(run));
-    if (!names.includes(state.mode)) state.mode = names[0];
+    if (!names.includes(state.mode)) state.mode = [run.colour, ...usual_modes(run), names[0]].find((n) => names.includes(n));
     $("colour").replaceChildren(...names.map((n) => new Option(colour_modes[n].label, n, false, n === state.mode)));
   }
   function show_legend() {
     const m = mode();
-    $("legend").hidden = !m.ramp;
-    if (!m.ramp) return;
+    $("legend").hidden = !m.ramp, $("names").hidden = Boolean(m.ramp);
+    if (!m.ramp) {
+      $("names").replaceChildren(...m.listed(run).slice(0, 256).map((k) => {
+        const item = document.createElement("li"), mark = document.createElement("i");
+        mark.style.background = "rgb(" + m.colour(run, k) + ")", item.append(mark, m.name(run, k));
+        return item;
+      }));
+      return;
+    }
     const [low, high] = m.range(run), pen = $("ramp").getContext("2d");
     for (let x = 0; x < 160; ++x) {
       const k = 3 * Math.floor((255 * x) / 159);
@@ -236,6 +274,10 @@ function talus_view() {
     for (const id of ["contacts", "joints", "domains"]) $(id).onchange = again("relink");
     $("walls").oninput = $("ghost").onchange = again("look");
     $("home").onclick = fit;
+    $("follow").onclick = () => {
+      const id = run.table.id[state.picked];
+      follow_body(state.followed === id ? null : id);
+    };
     $("close").onclick = () => (state.picked = null, show_body(), again("recolour")());
     window.addEventListener("resize", redraw);
     window.addEventListener("keydown", (e) => {
@@ -283,9 +325,9 @@ function talus_view() {
     if (about.policies) notes.push(about.policies);
     notes.push("Positions are stored to ± " + short_number(+error.toPrecision(2)) + ", velocities to ± " +
       short_number(+(Math.max(...run.heads.map((h) => h.speed_cell || 0)) / 2).toPrecision(2)) + ".");
-    const short = run.heads.filter((h) => h.contacts_of > (h.blocks.contact_a ? h.blocks.contact_a[2] : 0));
+    const short = run.heads.filter((h) => h.blocks.contact_a && h.contacts_of > h.blocks.contact_a[2]);
     if (short.length) notes.push("Of up to " + Math.max(...short.map((h) => h.contacts_of)) +
-      " contacts per frame the strongest are stored; sums of forces count these alone.");
+      " contacts per frame the strongest are drawn.");
     for (const h of run.heads) for (const n of h.notes || []) notes.push("Step " + h.step + ": " + n);
     for (const n of [...(about.notes || []), ...((about.end && about.end.notes) || [])]) notes.push(n);
     $("notes").replaceChildren(...notes.slice(0, 50).map((n) => Object.assign(document.createElement("p"), { textContent: n })));
@@ -306,8 +348,7 @@ function talus_view() {
     control = new orbit($("canvas"), stage.camera, up, redraw, pick);
     stage.camera.aspect = $("canvas").clientWidth / Math.max(1, $("canvas").clientHeight);
     list_modes(), describe(), connect(), show_legend();
-    state.frame = await run.load(0), measure(), (state.frame = null);
-    fit();
+    state.frame = await run.load(0), measure(), first_view(), (state.frame = null);
     await require(0);
     Object.assign(api, { control, show: require, pick, fit, choose_colour, toggle, redraw });
     requestAnimationFrame(loop);
@@ -320,7 +361,7 @@ function talus_view() {
       if (!answer.ok) throw new Error("the server answers " + answer.status);
       const more = await answer.json(), first = run.heads.length === 0, at_end = state.at >= run.heads.length - 1;
       if ((run.series ??= more.series) !== more.series) return location.reload(); // another run
-      run.heads.push(...more.heads);
+      run.add(more.heads);
       say(run.heads.length ? "" : "Waiting for the first frame.");
       if (run.heads.length && first) await begin(), require(run.heads.length - 1);
       else if (more.heads.length) {

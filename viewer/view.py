@@ -19,6 +19,7 @@ def options():
     p.add_argument("output", metavar="OUTPUT", help="NAME of --output NAME, or NAME.hdf.series")
     p.add_argument("--html", metavar="FILE", help="the page (default: NAME.html)")
     p.add_argument("--every", metavar="N", type=int, default=1, help="take every Nth output (1)")
+    p.add_argument("--contacts", action="store_true", help="with each contact: a page up to four times as large")
     p.add_argument("--csv", metavar="FILE", help="a time series that --csv of the same run has written: more plots")
     p.add_argument("--force", action="store_true", help="replace a file that is no page of talus")
     p.add_argument("--serve", metavar="PORT", type=int, help="serve the page and new frames instead of writing a file; 0: any port")
@@ -98,7 +99,7 @@ def write_page(o, base):
     table, names = read_table(o.csv) if o.csv else ({}, [])
     three = page.three()
     before, between, end = page.parts(pathlib.Path(__file__).resolve().parent)
-    converter = frames.Converter(base)
+    converter = frames.Converter(base, o.contacts)
     folder = os.path.dirname(path) or "."
     try:
         beside = tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=folder, prefix=os.path.basename(path) + ".part-", delete=False)

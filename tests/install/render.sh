@@ -42,3 +42,38 @@ refused "the quality is fast or good, not 'best'" pictures --quality best
 refused "--frame takes the number of a picture, or last, not 'x'" pictures --frame x
 refused "render has no option '--qualty'" pictures --qualty fast
 refused 'render which folder?' nowhere
+
+# Films: of all pictures in their order, by ffmpeg, or .gif by ImageMagick alone.
+echo "scene" >pictures/frame_00001.pov
+mkdir some
+for word in bash cat chmod dirname env grep ls mkdir mktemp mv nproc rm sed sleep xargs; do ln -s "$(command -v "$word")" some/; done
+for word in readlink realpath date touch tail head sort tr cut awk uname find; do ! command -v "$word" >/dev/null || ln -s "$(command -v "$word")" some/; done
+cat >bin/convert <<'END'
+#!/usr/bin/env bash
+echo "by convert: $*" >"${@: -1}"
+END
+chmod +x bin/convert
+export PATH=$work/bin:$work/some
+refused "--movie takes a file that ends with .mp4 or .gif, not 'a.avi'" pictures --movie a.avi
+refused 'there is no folder none for the film none/a.gif' pictures --movie none/a.gif
+refused 'a film shows all pictures' pictures --movie a.gif --frame 1
+refused "--rate takes the number of pictures a second, not 'x'" pictures --movie a.gif --rate x
+refused 'a film a.mp4 needs the program ffmpeg' pictures --movie a.mp4
+mkdir folder.gif
+refused 'folder.gif is not a file' pictures --movie folder.gif
+"$root/dev" render pictures --movie a.gif --rate 10 2>said
+grep -qx 'dev: 4 pictures in a.gif, 10 a second' said || fail "no film"
+grep -q -- '-delay 1x10 -loop 0 pictures/frame_00000.png pictures/frame_00001.png' a.gif || fail "not these pictures: $(cat a.gif)"
+cat >bin/ffmpeg <<'END'
+#!/usr/bin/env bash
+{ echo "by ffmpeg: $*"; cat; } >"${@: -1}"
+END
+chmod +x bin/ffmpeg
+"$root/dev" render pictures --movie b.mp4 2>said
+grep -q 'by ffmpeg: .* -framerate 25 -i - ' b.mp4 || fail "not by ffmpeg: $(cat b.mp4)"
+[[ $(grep -c frame_0000 b.mp4) == 4 ]] || fail "not four pictures: $(cat b.mp4)"
+[[ $(grep -o 'frame_0000.' b.mp4 | tr -d '\n') == *0*1*2*7* ]] || fail "not in their order"
+[[ $(ls -A | grep -c movie) == 0 ]] || fail "left over: $(ls -A)"
+printf '#!/usr/bin/env bash\nexit 1\n' >bin/ffmpeg
+refused 'the film c.mp4 could not be made' pictures --movie c.mp4
+[[ ! -e c.mp4 && $(ls -A | grep -c movie) == 0 ]] || fail "left over: $(ls -A)"

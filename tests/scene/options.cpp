@@ -216,6 +216,10 @@ TEST_CASE("values that make no sense are refused") {
   CHECK(refusal({"--output-every", "5"}) == "--output-every needs --output NAME; see --help");
   CHECK(refusal({"--csv-every", "5"}) == "--csv-every needs --csv FILE; see --help");
   CHECK(refusal({"--view-every", "5"}) == "--view-every needs --view FILE; see --help");
+  CHECK(refusal({"--view-contacts"}) == "--view-contacts needs --view FILE; see --help");
+  CHECK(refusal({"--colour", "speed"}) == "--colour needs --frames DIR or --view FILE; see --help");
+  CHECK(refusal({"--view", "x", "--colour", "size"}) ==
+        "--colour must be material, rank or speed, but is 'size'; see --help");
   CHECK(refusal({"--view", "x", "--view-every", "0"}) ==
         "--view-every must be at least 1, but is 0; see --help");
   CHECK(refusal({"--view", "x", "--csv", "x"}) ==

@@ -2,17 +2,13 @@
 // of ranks; and what cannot be written or shown gets a message.
 #include <doctest/doctest.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <limits>
 #include <map>
 #include <mutex>
-#include <optional>
-#include <sstream>
 #include <string>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
@@ -25,7 +21,10 @@
 #include <variant>
 #include <vector>
 
+#include "view_reader.hpp"
+
 using namespace talus;
+using namespace talus::view_pages;
 
 namespace {
 
@@ -33,116 +32,12 @@ using pile = scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction>
                       solver<nonlinear_gauss_seidel, reproducible>,
                       decomposition<grid<dynamic, dynamic>>, transport<threads>>;
 
-/// Files of this process, removed at the end, and a three.js that is small.
-struct scratch {
-  std::string folder = "/tmp/talus_view_" + std::to_string(getpid());
-  scratch() {
-    REQUIRE(std::system(("mkdir -p " + folder).c_str()) == 0);
-    std::ofstream((*this)("three.js")) << "var THREE = {};";
-    setenv("TALUS_THREE", (*this)("three.js").c_str(), 1);
-  }
-  ~scratch() {
-    unsetenv("TALUS_THREE");
-    (void)!std::system(("rm -r " + folder).c_str());
-  }
-  std::string operator()(const std::string& name) const { return folder + "/" + name; }
-};
-
-std::string content(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-std::vector<std::string> elements(const std::string& page, const std::string& name) {
-  std::vector<std::string> all;
-  const std::string begin = "class=\"talus-" + name + "\">";
-  for (auto at = page.find(begin); at != page.npos; at = page.find(begin, at)) {
-    at += begin.size();
-    all.push_back(page.substr(at, page.find("</script>", at) - at));
-  }
-  return all;
-}
-
-std::string decoded(const std::string& base64) {
-  std::string out;
-  std::uint32_t bits = 0;
-  int held = 0;
-  for (const char c : base64) {
-    const std::string_view digits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    if (c == '=') break;
-    REQUIRE(digits.find(c) != digits.npos);
-    bits = bits << 6 | static_cast<std::uint32_t>(digits.find(c)), held += 6;
-    if (held >= 8) held -= 8, out += static_cast<char>(bits >> held & 255);
-  }
-  return out;
-}
-
-/// One frame as a reader sees it.
-struct frame {
-  std::string head, bytes;
-
-  [[nodiscard]] bool has(const std::string& block) const {
-    return head.find("\"" + block + "\":[\"") != head.npos;
-  }
-  template <class T>
-  [[nodiscard]] std::vector<T> block(const std::string& name) const {
-    const auto at = head.find("\"" + name + "\":[\"");
-    REQUIRE(at != head.npos);
-    std::size_t offset = 0, count = 0;
-    REQUIRE(std::sscanf(head.c_str() + head.find(',', at), ",%zu,%zu", &offset, &count) == 2);
-    std::vector<T> values(count);
-    REQUIRE(offset % 8 == 0);
-    REQUIRE(offset + count * sizeof(T) <= bytes.size());
-    std::memcpy(values.data(), bytes.data() + offset, count * sizeof(T));
-    return values;
-  }
-  /// All bytes of a block.
-  [[nodiscard]] std::string raw(const std::string& name) const {
-    const auto at = head.find("\"" + name + "\":[\"");
-    char kind = 0;
-    std::size_t bits = 0, offset = 0, count = 0;
-    REQUIRE(std::sscanf(head.c_str() + at + name.size() + 5, "%c%zu\",%zu,%zu", &kind, &bits,
-                        &offset, &count) == 4);
-    return bytes.substr(offset, count * bits / 8);
-  }
-  /// A number of the head; some are there only in frames with contacts.
-  [[nodiscard]] std::optional<double> found(const std::string& name) const {
-    const auto at = head.find("\"" + name + "\":");
-    if (at == std::string::npos) return {};
-    return std::atof(head.c_str() + at + name.size() + 3);
-  }
-  [[nodiscard]] double number(const std::string& name) const {
-    const auto value = found(name);
-    REQUIRE(value.has_value());
-    return *value;
-  }
-  [[nodiscard]] vec3 vector(const std::string& name) const {
-    double x = 0, y = 0, z = 0;
-    const auto at = head.find("\"" + name + "\":[");
-    REQUIRE(std::sscanf(head.c_str() + at + name.size() + 4, "%lf,%lf,%lf", &x, &y, &z) == 3);
-    return {x, y, z};
-  }
-};
-
-std::vector<frame> frames_of(const std::string& file) {
-  const std::string page = content(file);
-  CHECK(page.ends_with("</html>\n"));
-  const auto heads = elements(page, "head"), data = elements(page, "data");
-  REQUIRE(heads.size() == data.size());
-  std::vector<frame> all;
-  for (std::size_t k = 0; k < heads.size(); ++k) all.push_back({heads[k], decoded(data[k])});
-  return all;
-}
-
 /// A small heap, some bodies of which appear in step 20; what bodies there are at the end.
 int make_page(const std::string& file, int ranks, std::map<std::uint64_t, vec3>& at_end,
               std::vector<std::string> more = {}) {
-  std::vector<std::string> words{"heap",          "--view",  file, "--view-every", "10",
-                                 "--quiet",       "--steps", "40", "--dt",         "0.01",
-                                 "--reproducible"};
+  std::vector<std::string> words{"heap",           "--view",         file, "--view-every", "10",
+                                 "--quiet",        "--steps",        "40", "--dt",         "0.01",
+                                 "--reproducible", "--view-contacts"};
   words.insert(words.end(), {"--ranks", std::to_string(ranks)});
   words.insert(words.end(), more.begin(), more.end());
   std::vector<char*> argv;
@@ -246,9 +141,9 @@ TEST_CASE("a reproducible run has the same page on 1 and 4 ranks, but for the ra
   for (std::size_t k = 0; k < x.size(); ++k) {
     for (const char* name : {"step", "position_error", "speed_cell", "force_cell", "contacts_of"})
       CHECK(x[k].found(name) == y[k].found(name));
-    for (const char* name :
-         {"position", "rows", "new_id", "new_size", "new_mass", "new_flags", "velocity",
-          "orientation", "contact_a", "contact_b", "contact_point", "contact_force"}) {
+    for (const char* name : {"position", "rows", "new_id", "new_size", "new_mass", "new_flags",
+                             "velocity", "orientation", "force", "touching", "contact_a",
+                             "contact_b", "contact_point", "contact_force"}) {
       CAPTURE(k);
       CAPTURE(name);
       REQUIRE(x[k].has(name) == y[k].has(name));

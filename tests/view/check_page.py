@@ -89,6 +89,7 @@ def known(browser, program, folder):
     opened(browser, file)
     check(browser.run("talus.frames()") == 11, "11 frames")
     look_along_y(browser)
+    browser.run("talus.choose_colour('rank')")
     check_sphere(browser, 0, "the first frame")
     # The slider moves the body.
     slide = "(document.getElementById('slider').value = {0}, document.getElementById('slider').dispatchEvent(new Event('input')))"
@@ -147,7 +148,7 @@ def count_drawn(browser):
 
 
 def shapes(browser, program, folder):
-    file = page_of(program, folder, "shapes", "--steps", "300", "--ranks", "4", "--view-every", "100")
+    file = page_of(program, folder, "shapes", "--steps", "300", "--ranks", "4", "--view-every", "100", "--view-contacts")
     opened(browser, file)
     check(browser.run("talus.run.heads[0].ranks") == 4, "4 ranks")
     browser.run("talus.show(3)")
@@ -199,6 +200,50 @@ def shapes(browser, program, folder):
     check_quiet(browser, file)
 
 
+def look(browser, program, folder):
+    """The view of the program: its camera follows a body, and materials have names and colours."""
+    file = page_of(program, folder, "look", "--steps", "100", "--dt", "0.01", "--ranks", "2", "--view-every", "10")
+    opened(browser, file)
+    check(browser.run("talus.state.mode") == "material", "materials are told apart from the beginning")
+    names = browser.run("[...document.querySelectorAll('#names li')].map((x) => [x.textContent, x.querySelector('i').style.background])")
+    check(["grass", "rgb(26, 204, 26)"] in names and ["sky <blue>", "rgb(26, 51, 230)"] in names, f"names {names}")
+
+    def camera():
+        drawn(browser)
+        return browser.run("[...talus.stage.camera.position.toArray(), ...talus.control.target.toArray()]")
+
+    def ball():
+        return browser.run("(() => { const f = talus.state.frame; return f.place(f.index_of_id(talus.state.followed), [0, 0, 0]); })()")
+    for frame in (0, 10, 4):
+        browser.run(f"talus.show({frame})")
+        x, y, z = ball()
+        check(all(abs(a - b) < 1e-3 for a, b in zip(camera(), [x, y - 9, z + 4, x, y, z])), f"camera of frame {frame}: {camera()}")
+    check(-1.6 < ball()[0] < -1.1, f"the ball moves: {ball()}")
+    # The ball is in the middle of the picture, and green.
+    drawn(browser)
+    width, height = size_of_canvas(browser)
+    pixel = browser.screenshot().at(round(width / 2), round(height / 2))
+    check(pixel[1] > 80 and pixel[1] > 2 * pixel[0] and pixel[1] > 2 * pixel[2], f"the ball is {pixel}")
+    # Without following, the camera stays; a picked body is followed on request.
+    browser.click(width / 2, height / 2)
+    browser.wait("!document.getElementById('body').hidden")
+    check("grass" in browser.run("document.getElementById('body').innerText"), "the data of a body name its material")
+    browser.run("document.getElementById('follow').click()")
+    before = camera()
+    browser.run("talus.show(8)")
+    check(camera() == before, "the camera stays")
+    browser.run("document.getElementById('follow').click()")
+    browser.run("talus.show(9)")
+    check(abs(camera()[0] - before[0] - 0.2 * 5 / 7) < 0.02, "the camera moves again with the ball, which rolls")
+    # Planes are drawn from their front alone.
+    plane = browser.run("talus.stage.kinds.findIndex((k) => k.kind.shape === 6)")
+    for height, seen in (0.5, True), (-0.5, False):
+        browser.run(f"talus.control.height = {height}; talus.stage.groups.forEach((g, n) => (g.object.visible = n === {plane}));"
+                    "Object.values(talus.stage.lines).forEach((l) => l.hide())")
+        check((count_drawn(browser) > 1000) == seen, f"a plane from the height {height}")
+    check_quiet(browser, file)
+
+
 def many(browser, program, folder):
     file = page_of(program, folder, "many", "--bodies", "21000", "--steps", "2", "--view-every", "1")
     opened(browser, file)
@@ -222,7 +267,7 @@ def main():
     os.makedirs(folder)
     browser = Browser(size=(WIDTH, HEIGHT))
     try:
-        for scene in (known, shapes, many):
+        for scene in (known, shapes, look, many):
             scene(browser, program, folder)
             print(scene.__name__, "ok", flush=True)
     finally:

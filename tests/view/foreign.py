@@ -72,6 +72,21 @@ class Foreign(unittest.TestCase):
         self.assertEqual((len(heads), heads[0]["bodies"], heads[0]["contacts_of"], len(heads[0]["forms"])), (1, COUNT, COUNT, COUNT))
         self.assertEqual(self.server.ask("/frame/0")[0], 200)
 
+    def test_bodies_have_the_sum_of_their_contact_forces_and_contacts_are_there_on_request(self):
+        size = np.linalg.norm(np.arange(3.0 * COUNT).reshape(-1, 3), axis=1)
+        asked = Server(self.folder, "--contacts")
+        self.addCleanup(asked.end)
+        for server, each in (self.server, False), (asked, True):
+            head = json.loads(server.ask()[1])["heads"][0]
+            self.assertEqual("contact_a" in head["blocks"], each)
+            with urllib.request.urlopen(f"http://{server.host}/{server.token}/frame/0") as answer:
+                data = answer.read()
+            at = head["blocks"]["force"][1]
+            force = np.frombuffer(data[at:at + 2 * COUNT], "<u2") * head["body_force_cell"]
+            np.testing.assert_allclose(force, size + size[::-1], rtol=1e-4)
+            at = head["blocks"]["touching"][1]
+            self.assertEqual(set(data[at:at + COUNT]), {2})
+
     def test_shapes_of_ones_own_have_a_number_too(self):
         for file, name in (BODIES, "VTKHDF/PointData/shape"), (SURFACES, "VTKHDF/CellData/shape"):
             with_array(self.folder / file, name, lambda g, n: g.__setitem__(n, np.full(COUNT, 6, "u1")))

@@ -1,6 +1,7 @@
 // Scenes whose pages tests look at in a browser (check_page.py): --scene known has one sphere with
 // a known path, --scene shapes has bodies of all shapes, joints and walls, --scene many has
-// --bodies spheres close together that drift.
+// --bodies spheres close together that drift, --scene look has materials with names and colours,
+// and a camera of its own that follows a body.
 #include <talus/mesh.hpp>
 #include <talus/talus.hpp>
 using namespace talus;
@@ -18,7 +19,7 @@ struct scene_options : options {
   int bodies = 100000;
   void describe(auto& cli) {
     options::describe(cli);
-    cli.add("--scene", scene, "known, shapes or many");
+    cli.add("--scene", scene, "known, shapes, many or look");
     cli.add("--bodies", bodies, "spheres of --scene many", 1);
   }
 };
@@ -27,6 +28,29 @@ struct scene_options : options {
 void add_known(auto& world, material_id stone) {
   world.add_if_local(
       body{.shape = sphere{1}, .position = {0, 0, 0}, .material = stone, .velocity = {4, 0, 0}});
+}
+
+/// A green ball that slides along x over a plane, between blue posts, in a tube.
+void add_look(auto& world, material_id stone, const scene_options& options) {
+  const auto grass = world.material({.density = 1, .name = "grass", .colour = {0.1, 0.8, 0.1}});
+  const auto sky = world.material({.name = "sky <blue>", .colour = {0.1, 0.2, 0.9}});
+  world.gravity({0, 0, -10});
+  world.global([&](auto& scope) {
+    scope.add(plane{}, stone);
+    scope.add(tube_surface({.radius = 3, .height = 2}), stone, {0, 0, 1});
+  });
+  const auto ball = world.add_if_local(body{
+      .shape = sphere{0.5}, .position = {-2, 0, 0.5}, .material = grass, .velocity = {2, 0, 0}});
+  for (const double y : {-1.5, 1.5})
+    world.add_if_local(
+        body{.shape = box{{0.4, 0.4, 2}}, .position = {0, y, 1}, .material = sky, .fixed = true});
+  const auto above = world.add_if_local(
+      body{.shape = box{{0.3, 0.3, 0.3}}, .position = {0, 1.5, 2.6}, .material = sky});
+  const auto below = world.add_if_local(
+      body{.shape = sphere{0.2}, .position = {0.8, 1.5, 2.6}, .material = grass});
+  world.join(above, below, ball_joint{.at = {0.4, 1.5, 2.6}});
+  take_pictures(world, options,
+                {.from = {0, -9, 4}, .angle = 50, .follow = ball ? ball->id : no_id});
 }
 
 void add_shapes(auto& world, material_id stone, material_id oak) {
@@ -96,6 +120,7 @@ int main(int argc, char** argv) {
                     reach{11});
     if (options.scene == "known") add_known(world, stone);
     if (options.scene == "shapes") add_shapes(world, stone, oak);
+    if (options.scene == "look") add_look(world, stone, options);
     if (options.scene == "many") {
       const double edge = std::cbrt(options.bodies);
       world.fill(simple_cubic{.spacing = 1} &

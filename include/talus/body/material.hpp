@@ -1,9 +1,13 @@
 #pragma once
 // Materials and the contact properties of each pair of them.
 #include <cmath>
+#include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "talus/body/pair_table.hpp"
 #include "talus/core/error.hpp"
@@ -19,10 +23,34 @@ enum class material_id : std::uint16_t {};
 /// has the stiffness of the other body alone. For fixed and global bodies, such as walls.
 inline constexpr real rigid = std::numeric_limits<real>::infinity();
 
+/// The name of a material, in pages and their legends.
+class material_name {
+ public:
+  static constexpr std::size_t most = 31;  ///< bytes
+
+  constexpr material_name() = default;
+  /// Throws invalid_argument for a text that is too long.
+  template <class Text>
+  requires std::convertible_to<const Text&, std::string_view>
+  constexpr material_name(const Text& text) {
+    const std::string_view from = text;
+    if (from.size() > most)
+      throw std::invalid_argument("the name of a material has at most 31 bytes: shorten '" +
+                                  std::string(from) + "'");
+    for (std::size_t k = 0; k < from.size(); ++k) text_[k] = from[k];
+    size_ = static_cast<unsigned char>(from.size());
+  }
+  [[nodiscard]] constexpr std::string_view text() const { return {text_, size_}; }
+
+ private:
+  char text_[most]{};
+  unsigned char size_ = 0;
+};
+
 // If material{...} is given an unknown field, g++ prints the namespaces of a type, which list its
 // fields, and clang the nearest field. Written by ./dev docs --sheet, as those of bodies and
 // joints.
-inline namespace a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_and_rolling_friction {
+inline namespace a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_rolling_friction_name_and_colour {
 
 /// The material of bodies.
 struct material {
@@ -38,6 +66,10 @@ struct material {
   real youngs_modulus = 0;
   real poisson_ratio = 0.25;  ///< in [0, 0.5]; hertz_mindlin
   real rolling_friction = 0;  ///< lever arm of the rolling moment over the radius; 0.01 to 0.5
+  // What pages and pictures show.
+  material_name name{};  ///< in legends; up to 31 bytes
+  /// red, green and blue, each in [0, 1]; NaN: one of its own among the materials
+  vec3 colour = vec3::Constant(std::numeric_limits<real>::quiet_NaN());
 
   /// Coefficient of dynamic friction, that of static friction unless given.
   [[nodiscard]] constexpr real sliding_friction() const {
@@ -46,15 +78,35 @@ struct material {
 };
 
 }  // namespace
-   // a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_and_rolling_friction
+   // a_material_has_density_restitution_friction_dynamic_friction_stiffness_youngs_modulus_poisson_ratio_rolling_friction_name_and_colour
 
 /// Predefined materials of the pe tutorial, densities in g/cm^3.
 namespace materials {
-inline constexpr material iron{.density = 7.874, .restitution = 0.5, .friction = 0.1};
-inline constexpr material copper{.density = 8.92, .restitution = 0.5, .friction = 0.1};
-inline constexpr material granite{.density = 2.8, .restitution = 0.5, .friction = 0.1};
-inline constexpr material oak{.density = 0.8, .restitution = 0.5, .friction = 0.1};
-inline constexpr material fir{.density = 0.5, .restitution = 0.5, .friction = 0.1};
+inline constexpr material iron{.density = 7.874,
+                               .restitution = 0.5,
+                               .friction = 0.1,
+                               .name = "iron",
+                               .colour = {0.5, 0.52, 0.56}};
+inline constexpr material copper{.density = 8.92,
+                                 .restitution = 0.5,
+                                 .friction = 0.1,
+                                 .name = "copper",
+                                 .colour = {0.78, 0.46, 0.26}};
+inline constexpr material granite{.density = 2.8,
+                                  .restitution = 0.5,
+                                  .friction = 0.1,
+                                  .name = "granite",
+                                  .colour = {0.62, 0.58, 0.56}};
+inline constexpr material oak{.density = 0.8,
+                              .restitution = 0.5,
+                              .friction = 0.1,
+                              .name = "oak",
+                              .colour = {0.72, 0.55, 0.33}};
+inline constexpr material fir{.density = 0.5,
+                              .restitution = 0.5,
+                              .friction = 0.1,
+                              .name = "fir",
+                              .colour = {0.87, 0.75, 0.52}};
 }  // namespace materials
 
 /// Contact properties of a pair of materials.

@@ -17,6 +17,11 @@ TALUS_INLINE material_id material_table::add(const material& m) {
   detail::require_positive(m.density, "the density of a material");
   check(m.restitution, m.friction, m.sliding_friction());
   check_soft(m);
+  const vec3& c = m.colour;
+  if ((c[0] == c[0] || c[1] == c[1] || c[2] == c[2]) &&
+      !(c[0] >= 0 && c[0] <= 1 && c[1] >= 0 && c[1] <= 1 && c[2] >= 0 && c[2] <= 1))
+    detail::fail<std::invalid_argument>(
+        "the colour of a material has red, green and blue from 0 to 1, but is {}", detail::text(c));
   if (materials_.size() >= std::numeric_limits<std::uint16_t>::max())
     detail::fail<std::invalid_argument>("a world holds at most 65535 materials; reuse them");
   materials_.push_back(m);

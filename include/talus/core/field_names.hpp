@@ -5,9 +5,9 @@
 namespace talus::detail::fields {
 
 // clang-format off
-inline constexpr sentence material = "world.material({...}) takes the fields density, restitution, friction, dynamic_friction, stiffness, youngs_modulus, poisson_ratio and rolling_friction, in this order";
+inline constexpr sentence material = "world.material({...}) takes the fields density, restitution, friction, dynamic_friction, stiffness, youngs_modulus, poisson_ratio, rolling_friction, name and colour, in this order";
 template <sentence S> struct no_material {
-  static_assert(unrefused<S>, "world.material({...}) takes the fields density, restitution, friction, dynamic_friction, stiffness, youngs_modulus, poisson_ratio and rolling_friction, in this order");
+  static_assert(unrefused<S>, "world.material({...}) takes the fields density, restitution, friction, dynamic_friction, stiffness, youngs_modulus, poisson_ratio, rolling_friction, name and colour, in this order");
 };
 struct material_fields {
   static constexpr auto says = material;
@@ -77,9 +77,9 @@ struct inflow_fields {
   static constexpr auto says = inflow;
   template <sentence S> using refused = no_inflow<S>;
 };
-inline constexpr sentence picture = "take_pictures(world, options, {...}) takes the fields from, at, up, angle, colour, fastest, copies, domains, ground, joints and force, in this order";
+inline constexpr sentence picture = "take_pictures(world, options, {...}) takes the fields from, at, up, angle, colour, fastest, surfaces, copies, domains, ground, joints, force and follow, in this order";
 template <sentence S> struct no_picture {
-  static_assert(unrefused<S>, "take_pictures(world, options, {...}) takes the fields from, at, up, angle, colour, fastest, copies, domains, ground, joints and force, in this order");
+  static_assert(unrefused<S>, "take_pictures(world, options, {...}) takes the fields from, at, up, angle, colour, fastest, surfaces, copies, domains, ground, joints, force and follow, in this order");
 };
 struct picture_fields {
   static constexpr auto says = picture;

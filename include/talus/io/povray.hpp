@@ -2,9 +2,12 @@
 // Pictures: a world as a scene file for the ray tracer POV-Ray.
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstring>
 #include <exception>
 #include <limits>
+#include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 
@@ -12,30 +15,35 @@
 #include "talus/io/output_kinds.hpp"
 #include "talus/io/povray_text.hpp"
 #include "talus/world/each_joint.hpp"
+#include "talus/world/picture.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
 
-/// The view of a world. Lengths are in the units of the scene, angles in degrees.
-struct picture {
-  enum class colouring { rank, speed };
-
-  vec3 from{10, -20, 10};  ///< position of the camera
-  vec3 at{0, 0, 0};        ///< point at which it looks
-  /// upward direction in the picture
-  vec3 up{0, 0, 1};
-  real angle = 40;  ///< of view, horizontally
-  /// of bodies: by their rank, or by their speed
-  colouring colour = colouring::rank;
-  real fastest = 0;      ///< the speed that is red; 0: that of the fastest body
-  bool copies = false;   ///< show shadow copies, as thin shells, in the colour of their holder
-  bool domains = false;  ///< show the domain of each rank, as glass
-  bool ground = true;    ///< show planes, those that face the camera
-  bool joints = true;    ///< show joints: a ball at each, and a bar if its points are apart
-  bool force = false;    ///< replace a file that is not a picture of talus
-};
-
 namespace detail {
+
+/// The centre of the body with this number on any rank; none: there is no such body. Collective,
+/// unless the number is no_id on all ranks.
+template <class Scenario>
+[[nodiscard, gnu::cold]] std::optional<vec3> centre_of_followed(world<Scenario>& w, system_id id) {
+  if (id == no_id) return {};
+  constexpr real infinity = std::numeric_limits<real>::infinity();
+  std::array<double, 3> centre{-infinity, -infinity, -infinity};
+  w.for_each_local([&](const auto& b) {
+    if (b.id() == id)
+      for (int k = 0; k < 3; ++k) centre[static_cast<std::size_t>(k)] = b.position()[k];
+  });
+  w.link().reduce(reduction::max, centre);
+  if (centre[0] == -infinity) return {};
+  return vec3(centre[0], centre[1], centre[2]);
+}
+/// The number of a body that at least one rank knows. Collective.
+template <class Link>
+[[nodiscard, gnu::cold]] system_id agreed_id(Link& link, system_id id) {
+  std::uint64_t number = static_cast<std::uint64_t>(id);
+  link.reduce(reduction::min, std::span(&number, 1));
+  return system_id{number};
+}
 
 /// Writes a region as a solid: intersections and unions of POV-Ray's half-spaces.
 class povray_region {
@@ -54,7 +62,14 @@ class povray_region {
 template <class Scenario>
 class povray_scene {
  public:
-  povray_scene(world<Scenario>& w, const picture& look) : world_(w), look_(look) { measure(); }
+  povray_scene(world<Scenario>& w, const picture& look) : world_(w), look_(look) {
+    if (const auto centre = centre_of_followed(w, look.follow))
+      look_.from += *centre, look_.at += *centre;
+    if (look_.colour == picture::colouring::automatic)
+      look_.colour = shows_materials(view_of(w).materials) ? picture::colouring::material
+                                                           : picture::colouring::rank;
+    measure();
+  }
 
   /// A plane with the camera behind it would hide everything.
   template <class Shape>
@@ -72,12 +87,11 @@ class povray_scene {
       if (!b.is_visible()) return;
       if (b.is_global()) {
         constexpr bool finite = std::remove_cvref_t<decltype(b)>::shape_type::finite;
-        if (first && (finite || shows(b.shape())))
-          add(b, finite ? vec3(0.66, 0.61, 0.54) : vec3(0.93, 0.92, 0.9), false);
+        if (first && (finite || shows(b.shape()))) add(b, of_wall(b, finite), 1 - opacity(b));
       } else if (!b.is_remote()) {
-        add(b, look_.colour == picture::colouring::rank ? own : of_speed(b), false);
+        add(b, colour(b, own), b.is_fixed() ? 1 - opacity(b) : 0);
       } else if (look_.copies) {
-        add(b, own, true);
+        add(b, own, 0.7);
       }
     });
     if (look_.joints) for_each_joint(world_, [&](const joint_in_world& x) { add_joint(x); });
@@ -122,33 +136,68 @@ class povray_scene {
     lower_ = {-most[3], -most[4], -most[5]};
     fastest_ = look_.fastest > 0 ? look_.fastest : most[6];
   }
+  [[nodiscard]] bool by_material() const { return look_.colour == picture::colouring::material; }
+  /// A fixed body is paler than others.
+  [[nodiscard]] static vec3 pale(const vec3& colour) {
+    return vec3(0.6 * colour + vec3(0.35, 0.35, 0.35));
+  }
   template <class Body>
-  [[nodiscard]] vec3 of_speed(const Body& b) const {
-    if (b.is_fixed()) return {0.8, 0.78, 0.75};
+  [[nodiscard]] vec3 colour(const Body& b, const vec3& of_rank) const {
+    if (by_material()) {
+      const vec3 own = colour_of_material(view_of(world_).materials[b.material()], b.material());
+      return b.is_fixed() && !has_colour(b) ? pale(own) : own;
+    }
+    if (look_.colour == picture::colouring::rank) return b.is_fixed() ? pale(of_rank) : of_rank;
+    if (b.is_fixed()) return pale({0.8, 0.78, 0.75});
     return colour_of_part(fastest_ > 0 ? b.velocity().norm() / fastest_ : 0);
   }
   template <class Body>
-  void add(const Body& b, const vec3& colour, bool glass) {
+  [[nodiscard]] bool has_colour(const Body& b) const {
+    const vec3& c = view_of(world_).materials[b.material()].colour;
+    return c[0] == c[0];
+  }
+  template <class Body>
+  [[nodiscard]] vec3 of_wall(const Body& b, bool finite) const {
+    if (by_material() && has_colour(b)) return view_of(world_).materials[b.material()].colour;
+    return finite ? vec3(0.66, 0.61, 0.54) : vec3(0.93, 0.92, 0.9);
+  }
+  /// Of a wall: bodies are behind those of triangles.
+  template <class Body>
+  [[nodiscard]] real opacity(const Body& b) const {
+    if constexpr (requires { b.shape().tree().triangles; })
+      return std::clamp(look_.surfaces, real{0}, real{1});
+    else
+      return 1;
+  }
+  template <class Body>
+  void add(const Body& b, const vec3& colour, real transmit) {
+    if (transmit >= 1) return;
     povray_form(out_, b.shape());
     out_ << " ";
     if constexpr (std::remove_cvref_t<decltype(b.shape())>::finite) add_placement(out_, b.pose());
-    paint(b.is_fixed() && !b.is_global() ? vec3(0.6 * colour + vec3(0.35, 0.35, 0.35)) : colour,
-          glass ? 0.7 : 0);
+    paint(colour, transmit);
   }
-  /// A ball whose size follows from the bodies, dark so that it differs from these; and a bar
-  /// between points that are apart, as those of a rod.
+  /// A ball whose size follows from the bodies, dark so that it differs from these; bars to the
+  /// centres of the bodies, and one between points that are apart, as those of a rod.
   void add_joint(const joint_in_world& x) {
     const vec3 colour(0.12, 0.12, 0.14);
     const real size = real(0.12) * std::min(room(x.centre_a, x.point_a, x.centre_b, x.point_b),
                                             real(0.1) * (upper_ - lower_).norm());
     if (!(size > 0)) return;
-    for (const vec3& at : {x.point_a, x.point_b}) {
+    const auto bar = [&](const vec3& from, const vec3& to, real thickness) {
+      if ((from - to).norm() < size) return false;
+      out_ << "cylinder{" << from << "," << to << "," << thickness << " ";
+      paint(colour, 0);
+      return true;
+    };
+    const auto ball = [&](const vec3& at) {
       out_ << "sphere{" << at << "," << size << " ";
       paint(colour, 0);
-      if ((x.point_a - x.point_b).norm() < size) return;
-    }
-    out_ << "cylinder{" << x.point_a << "," << x.point_b << "," << real(0.5) * size << " ";
-    paint(colour, 0);
+    };
+    ball(x.point_a);
+    if (bar(x.point_a, x.point_b, real(0.5) * size)) ball(x.point_b);
+    (void)bar(x.centre_a, x.point_a, real(0.3) * size);
+    (void)bar(x.centre_b, x.point_b, real(0.3) * size);
   }
   /// The longest arm of a joint.
   [[nodiscard]] static real room(const vec3& a, const vec3& at_a, const vec3& b, const vec3& at_b) {
@@ -192,7 +241,9 @@ class povray_scene {
 template <class Scenario>
 void write_povray(world<Scenario>& w, const std::string& file, const picture& look) {
   w.require_all_ranks("write_povray");
-  detail::povray_scene<Scenario> scene(w, look);
+  picture agreed = look;
+  agreed.follow = detail::agreed_id(w.link(), look.follow);
+  detail::povray_scene<Scenario> scene(w, agreed);
   const std::string part = scene.part();
   detail::byte_buffer bytes(part.size());
   if (!part.empty()) std::memcpy(bytes.data(), part.data(), part.size());

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "talus/body/material.hpp"
 #include "talus/geometry/half_space.hpp"
 #include "talus/shape/box.hpp"
 #include "talus/shape/capsule.hpp"
@@ -47,6 +48,10 @@ void add_placement(povray_text& out, const pose& p);
 [[nodiscard]] vec3 colour_of_hue(real hue, real saturation = 0.75, real brightness = 0.9);
 /// Colours of neighbouring numbers differ: steps of the golden ratio around the circle of hues.
 [[nodiscard]] vec3 colour_of_number(int number);
+/// The colour that a material has, or one of its own by its number.
+[[nodiscard]] vec3 colour_of_material(const material& m, material_id number);
+/// Whether a program tells materials apart for those who look: one has a name or a colour.
+[[nodiscard, gnu::cold]] bool shows_materials(const material_table& all);
 /// From blue (0) over green to red (1).
 [[nodiscard]] inline vec3 colour_of_part(real part) {
   return colour_of_hue((1 - std::clamp(part, real{0}, real{1})) * 2 / 3);

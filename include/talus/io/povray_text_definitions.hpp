@@ -27,6 +27,18 @@ TALUS_INLINE vec3 colour_of_number(int number) {
                        number % 3 == 2 ? 0.7 : 0.92);
 }
 
+TALUS_INLINE vec3 colour_of_material(const material& m, material_id number) {
+  return m.colour[0] == m.colour[0] ? m.colour : colour_of_number(static_cast<int>(number));
+}
+
+TALUS_INLINE bool shows_materials(const material_table& all) {
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const material& m = all[material_id{static_cast<std::uint16_t>(k)}];
+    if (!m.name.text().empty() || m.colour[0] == m.colour[0]) return true;
+  }
+  return false;
+}
+
 }  // namespace talus::detail
 
 namespace talus {

@@ -1,5 +1,7 @@
 #pragma once
 // The definitions of view_page.hpp, in the compiled part or in each program.
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -76,8 +78,12 @@ TALUS_INLINE view_page::~view_page() {
 }
 
 TALUS_INLINE void view_page::write(std::string_view text) {
-  if (write_text(part_.id(), text)) return;
-  const std::string words = words_of_failed_write(file_, text.size(), errno);
+  if (!write_text(part_.id(), text)) fail_to_write(text.size());
+  written_ += text.size();
+}
+
+TALUS_INLINE void view_page::fail_to_write(std::uint64_t needs) {
+  const std::string words = words_of_failed_write(file_, needs, errno);
   part_ = {};
   fail<std::runtime_error>("the page {} (--view) cannot be written: {}", file_, words);
 }
@@ -88,10 +94,18 @@ TALUS_INLINE void view_page::write_element(const char* name, const std::string& 
   write("</script>\n");
 }
 
-TALUS_INLINE void view_page::add(const view_frame& frame, const std::string& about) {
+namespace view_words {
+inline constexpr std::string_view data = "<script type=\"text/plain\" class=\"talus-data\">",
+                                  end = "</script>\n";
+}  // namespace view_words
+
+TALUS_INLINE void view_page::add(const view_frame& frame, std::uint64_t step,
+                                 const std::string& about) {
   if (frames_++ == 0) write_element("about", about);
+  place here{step, written_, 0, 0, frame.table, frame.table_with_rows, true};
   write_element("head", frame.head.str());
-  write("<script type=\"text/plain\" class=\"talus-data\">");
+  write(view_words::data);
+  here.data = written_;
   constexpr std::size_t piece =
       3 << 18;  // a multiple of three: base64 of each ends without padding
   std::string text;
@@ -101,7 +115,63 @@ TALUS_INLINE void view_page::add(const view_frame& frame, const std::string& abo
                   std::span(frame.bytes).subspan(at, std::min(piece, frame.bytes.size() - at)));
     write(text);
   }
-  write("</script>\n");
+  write(view_words::end);
+  here.end = written_;
+  places_.push_back(std::move(here));
+}
+
+/// Copies a part of the file to its present end, which is not behind that part.
+TALUS_INLINE void view_page::move(std::uint64_t from, std::uint64_t end) {
+  std::string piece;
+  while (from < end) {
+    piece.resize(std::min<std::uint64_t>(end - from, 1 << 20));
+    const auto got = pread(part_.id(), piece.data(), piece.size(), static_cast<off_t>(from));
+    if (got <= 0) fail_to_write(0);
+    write(std::string_view(piece).substr(0, static_cast<std::size_t>(got)));
+    from += static_cast<std::uint64_t>(got);
+  }
+}
+
+TALUS_INLINE void view_page::keep(std::span<const std::uint64_t> steps) {
+  if (places_.empty()) return;
+  // From the last one to the first: a removed frame leaves its rows if a later one refers to them.
+  std::vector<const view_table*> left(places_.size(), nullptr);
+  bool refers = true;  // those that follow may
+  for (std::size_t k = places_.size(); k-- > 0;) {
+    place& p = places_[k];
+    const bool rows = !p.table_with_rows.head.empty();
+    p.shown = p.shown && std::find(steps.begin(), steps.end(), p.step) != steps.end();
+    if (!p.shown) left[k] = rows && refers ? &p.table_with_rows : &p.table;
+    if (p.shown || rows) refers = !rows;
+  }
+  // In place: each frame moves towards the beginning of the file.
+  written_ = places_.front().begin;
+  if (lseek(part_.id(), static_cast<off_t>(written_), SEEK_SET) < 0) fail_to_write(0);
+  std::vector<place> kept;
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    place p = std::move(places_[k]);
+    const std::uint64_t begin = written_, moved = p.data - p.begin;
+    if (p.shown) {
+      move(p.begin, p.end);
+      p.data = begin + moved;
+    } else {
+      const view_table table =
+          std::move(left[k] == &places_[k].table ? p.table : p.table_with_rows);
+      if (table.head.empty()) continue;
+      write_element("head", table.head);
+      write(view_words::data);
+      const std::uint64_t data = written_;
+      move(p.data, p.data + (table.bytes + 2) / 3 * 4);
+      write(view_words::end);
+      if (left[k] == &places_[k].table) p.table_with_rows = {};
+      (left[k] == &places_[k].table ? p.table : p.table_with_rows) = table;
+      p.data = data;
+    }
+    p.begin = begin, p.end = written_;
+    kept.push_back(std::move(p));
+  }
+  places_.swap(kept);
+  if (ftruncate(part_.id(), static_cast<off_t>(written_)) != 0) fail_to_write(0);
 }
 
 TALUS_INLINE void view_page::finish(const std::string& end) {

@@ -67,6 +67,7 @@ template <class Scenario>
     const energy_balance e = measure_energy(w);
     add("energy_initial", energy, e.initial);
     add("energy_changes", energy, e.changes);
+    if constexpr (Scenario::contact_law::soft) add("energy_elastic", energy, e.elastic);
     add("energy_work", energy, e.total.work);
     add("energy_friction", energy, e.total.friction);
     add("energy_impact", energy, e.total.impact);

@@ -25,26 +25,26 @@ namespace talus {
 ///     }
 ///   };
 struct options {
-  std::size_t steps = 1000;          ///< time steps
-  double dt = 0.005;                 ///< length of a step, in units of time
-  int ranks = 0;                     ///< ranks to start; 0: the number of the decomposition
-  int iterations = 10;               ///< of the contact solver, per step
-  double tolerance = 0;              ///< contact residual to iterate to; 0: fixed iterations
-  int max_iterations = 0;            ///< at most, with a tolerance; 0: the solver's own limit
-  std::uint64_t seed = 1;            ///< of all random numbers
-  std::string json;                  ///< file for the results; empty: none
-  std::string csv;                   ///< file for a time series; empty: none
-  std::size_t csv_every = 10;        ///< steps between its lines
-  bool reproducible = false;         ///< the same bits on any number of ranks
-  bool quiet = false;                ///< no progress, no summary
-  double patience = 60;              ///< seconds that a rank waits before a report; 0: none
-  double give_up = 0;                ///< further seconds before the run ends; 0: it does not
-  std::string frames;                ///< folder for pictures; empty: none
-  std::size_t every = 100;           ///< steps between pictures
-  std::string colour;                ///< "rank" or "speed"; empty: the default of the scene
-  bool copies = false;               ///< pictures show shadow copies
-  bool domains = false;              ///< pictures show the domain of each rank
-  std::string checkpoint;            ///< file for the state of the run; empty: none
+  std::size_t steps = 1000;    ///< time steps
+  double dt = 0.005;           ///< length of a step, in units of time
+  int ranks = 0;               ///< ranks to start; 0: the number of the decomposition
+  int iterations = 10;         ///< of the contact solver, per step
+  double tolerance = 0;        ///< contact residual to iterate to; 0: fixed iterations
+  int max_iterations = 0;      ///< at most, with a tolerance; 0: the solver's own limit
+  std::uint64_t seed = 1;      ///< of all random numbers
+  std::string json;            ///< file for the results; empty: none
+  std::string csv;             ///< file for a time series; empty: none
+  std::size_t csv_every = 10;  ///< steps between its lines
+  bool reproducible = false;   ///< the same bits on any number of ranks
+  bool quiet = false;          ///< no progress, no summary
+  double patience = 60;        ///< seconds that a rank waits before a report; 0: none
+  double give_up = 0;          ///< further seconds before the run ends; 0: it does not
+  std::string frames;          ///< folder for pictures; empty: none
+  std::size_t every = 100;     ///< steps between pictures
+  std::string colour;          ///< "material", "rank" or "speed"; empty: the default of the scene
+  bool copies = false;         ///< pictures show shadow copies
+  bool domains = false;        ///< pictures show the domain of each rank
+  std::string checkpoint;      ///< file for the state of the run; empty: none
   std::size_t checkpoint_every = 0;  ///< steps between its versions; 0: on signals and at the end
   std::string restart;               ///< checkpoint to continue from; empty: from the beginning
   std::string output;                ///< files for ParaView begin with it; empty: none
@@ -52,6 +52,7 @@ struct options {
   bool output_surfaces = false;      ///< with the faces of bodies other than spheres
   std::string view;                  ///< page for a browser; empty: none
   std::size_t view_every = 0;        ///< steps between its frames; 0: about 200 frames
+  bool view_contacts = false;        ///< with each contact, not only the force on each body
   bool force = false;                ///< outputs replace files that talus did not write
   std::string until;                 ///< "rest" or "steady:NAME"; empty: all steps are made
   double until_speed = 0;            ///< of bodies at rest; 0: from gravity and sizes

@@ -77,7 +77,7 @@ TALUS_INLINE void options::describe(command_line& cli) {
           0.001);
   cli.add("--frames", frames, "write pictures for POV-Ray into this folder");
   cli.add("--every", every, "steps from one picture to the next", 1);
-  cli.add("--colour", colour, "of bodies in pictures: by rank or by speed");
+  cli.add("--colour", colour, "of bodies in pictures: by material, rank or speed");
   cli.add("--show-copies", copies, "pictures show shadow copies too");
   cli.add("--show-domains", domains, "pictures show what each rank owns");
   cli.add("--checkpoint", checkpoint,
@@ -93,6 +93,7 @@ TALUS_INLINE void options::describe(command_line& cli) {
   cli.add("--view", view, "write a page that shows the run in a browser to this file");
   cli.add("--view-every", view_every,
           "steps from one frame of it to the next (default: about 200 frames)", 1);
+  cli.add("--view-contacts", view_contacts, "with each contact: a page up to four times as large");
   cli.add("--force", force, "outputs replace files that talus did not write");
   cli.add("--until", until,
           "end when all bodies are at \"rest\", or \"steady:NAME\": see docs/runs.md");
@@ -132,12 +133,13 @@ TALUS_INLINE void options::describe(command_line& cli) {
     if (give_up > 0 && patience == 0)
       throw usage_error("--give-up needs a --patience above 0; see --help");
     needs(csv, "--csv-every", "--csv FILE");
-    for (const char* name : {"--every", "--colour", "--show-copies", "--show-domains"})
+    for (const char* name : {"--every", "--show-copies", "--show-domains"})
       needs(frames, name, "--frames DIR");
+    if (view.empty()) needs(frames, "--colour", "--frames DIR or --view FILE");
     if (tolerance == 0 && cli.given("--max-iterations"))
       throw usage_error("--max-iterations needs --tolerance; see --help");
     needs(output, "--output-every", "--output NAME");
-    needs(view, "--view-every", "--view FILE");
+    for (const char* name : {"--view-every", "--view-contacts"}) needs(view, name, "--view FILE");
     detail::refuse_shared_files({{"--view", view}, {"--json", json}});
     detail::refuse_shared_files({{"--view", view}, {"--csv", csv}});
     detail::refuse_shared_files({{"--view", view}, {"--log", log}});
@@ -163,8 +165,9 @@ TALUS_INLINE void options::describe(command_line& cli) {
               other));
     if (output.empty() && output_surfaces)
       throw usage_error("--output-surfaces needs --output NAME; see --help");
-    if (!colour.empty() && colour != "rank" && colour != "speed")
-      throw usage_error("--colour must be rank or speed, but is '" + colour + "'; see --help");
+    if (!colour.empty() && colour != "rank" && colour != "speed" && colour != "material")
+      throw usage_error("--colour must be material, rank or speed, but is '" + colour +
+                        "'; see --help");
   });
 }
 

@@ -48,10 +48,13 @@ struct any_options {
 /// made.
 template <class Scenario>
 void take_pictures(world<Scenario>& w, const options& options, picture look = {}) {
-  w.note_pictures();
-  if (options.frames.empty()) return;
   if (!options.colour.empty())
-    look.colour = options.colour == "rank" ? picture::colouring::rank : picture::colouring::speed;
+    look.colour = options.colour == "rank"    ? picture::colouring::rank
+                  : options.colour == "speed" ? picture::colouring::speed
+                                              : picture::colouring::material;
+  look.follow = detail::agreed_id(w.link(), look.follow);
+  w.note_pictures(look);
+  if (options.frames.empty()) return;
   look.copies |= options.copies;
   look.domains |= options.domains;
   look.force |= options.force;
@@ -69,10 +72,16 @@ void take_pictures(world<Scenario>& w, const options& options, picture look = {}
           detail::compose("--frames {} replaces pictures of an earlier run\n", options.frames),
           options.quiet);
   }
-  const auto take = [&w, look, folder = options.frames](std::uint64_t number) {
+  // The camera stays where the body was that it followed.
+  const auto centre = std::make_shared<vec3>(0, 0, 0);
+  const auto take = [&w, look, centre, folder = options.frames](std::uint64_t number) {
+    picture now = look;
+    now.follow = no_id;
+    if (const auto at = detail::centre_of_followed(w, look.follow)) *centre = *at;
+    now.from += *centre, now.at += *centre;
     const std::string digits = std::to_string(number);
     const std::string zeros(digits.size() < 5 ? 5 - digits.size() : 0, '0');
-    write_povray(w, folder + "/frame_" + zeros + digits + ".pov", look);
+    write_povray(w, folder + "/frame_" + zeros + digits + ".pov", now);
   };
   w.synchronize();
   auto& s = detail::state_of(w);

@@ -23,6 +23,7 @@
 #include "talus/world/body_checks.hpp"
 #include "talus/world/checkpoints.hpp"
 #include "talus/world/joint_handle.hpp"
+#include "talus/world/picture.hpp"
 #include "talus/world/sections.hpp"
 #include "talus/world/state_of.hpp"
 #include "talus/world/unit_names.hpp"
@@ -665,6 +666,13 @@ class world {
   /// Notes that pictures are taken of this world, by take_pictures() or in another way: run() then
   /// accepts --frames.
   void note_pictures() { takes_pictures_ = true; }
+  /// The same, with the view that the page of --view begins with.
+  void note_pictures(const picture& look) {
+    takes_pictures_ = true;
+    look_ = look;
+  }
+  /// The view that note_pictures() was given, or none.
+  [[nodiscard]] const std::optional<picture>& look() const { return look_; }
   /// Whether note_pictures() was called.
   [[nodiscard]] bool takes_pictures() const { return takes_pictures_; }
   /// Calls of simulate() so far.
@@ -796,6 +804,7 @@ class world {
   std::string undivided_;  ///< why there is no domain yet; empty when there is one
   bool synchronized_ = false;
   bool takes_pictures_ = false;
+  std::optional<picture> look_;
   bool rewired_ = false;  ///< connections were changed by hand since the last synchronize()
   std::uint64_t seed_ = 0;
   std::uint64_t fills_ = 0;

@@ -70,15 +70,55 @@ struct stronger {
   }
 };
 
+/// What the contacts of a body add up to.
+struct view_load {
+  double force = 0;
+  std::uint32_t contacts = 0;
+};
+/// Walls have a cell of their own: they may carry all that the others weigh. The parts of a union
+/// have the force of the whole.
+TALUS_INLINE void put_loads(view_json& head, view_blocks& to, const view_places& places,
+                            const plain_vector<view_contact>& contacts) {
+  std::size_t count = 0;
+  places.each([&](const view_body&, std::uint32_t) { ++count; });
+  plain_vector<view_load> loads(count);
+  for (const view_contact& c : contacts)
+    for (const system_id id : {c.a, c.b})
+      if (const std::uint32_t at = places.of(id); at < count)
+        loads[at].force += c.force.norm(), ++loads[at].contacts;
+  double most[2]{0, 0};
+  const view_body* first = nullptr;
+  view_load whole;
+  places.each([&](const view_body& b, std::uint32_t at) {
+    if (first == nullptr || first->id != b.id) first = &b, whole = loads[at];
+    loads[at] = whole;
+    double& m = most[(b.flags & view_wall) != 0];
+    m = std::max(m, whole.force);
+  });
+  const double cell[2]{std::max(most[0] / 65535, 1e-300), std::max(most[1] / 65535, 1e-300)};
+  plain_vector<std::uint16_t> forces(count);
+  plain_vector<std::uint8_t> touching(count);
+  places.each([&](const view_body& b, std::uint32_t at) {
+    forces[at] = cells_of(loads[at].force / cell[(b.flags & view_wall) != 0]);
+    touching[at] = static_cast<std::uint8_t>(std::min<std::uint32_t>(loads[at].contacts, 255));
+  });
+  to.put("force", forces), to.put("touching", touching);
+  head.add("body_force_cell", cell[0]);
+  head.add("wall_force_cell", cell[1]);
+}
+
 TALUS_INLINE void put_contacts(view_json& head, view_blocks& to, const view_grid& grid,
-                               const view_places& places, plain_vector<view_contact>& contacts) {
+                               const view_places& places, plain_vector<view_contact>& contacts,
+                               bool each) {
   sort_values(contacts, stronger{});
   head.add("contacts_of", static_cast<double>(contacts.size()));
-  if (!contacts.empty()) {
-    double sum = 0;
-    for (const view_contact& c : contacts) sum += c.force.norm();
+  if (contacts.empty()) return;
+  double sum = 0;
+  for (const view_contact& c : contacts) sum += c.force.norm();
+  head.add("force_mean", sum / static_cast<double>(contacts.size()));
+  put_loads(head, to, places, contacts);
+  if (each) {
     const double force_cell = std::max(contacts[0].force.norm() / 65535, 1e-300);
-    head.add("force_mean", sum / static_cast<double>(contacts.size()));
     head.add("force_cell", force_cell);
     if (contacts.size() > most_view_contacts) contacts.resize(most_view_contacts);
     plain_vector<std::uint32_t> a, b;
@@ -92,6 +132,32 @@ TALUS_INLINE void put_contacts(view_json& head, view_blocks& to, const view_grid
       for (const view_contact& c : contacts) put(c.point);
     });
   }
+}
+
+TALUS_INLINE std::string view_materials(const material_table& all) {
+  std::string out = "[";
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const material& m = all[material_id{static_cast<std::uint16_t>(k)}];
+    view_json one;
+    if (!m.name.text().empty()) one.add_text("name", m.name.text());
+    if (m.colour[0] == m.colour[0]) one.add_raw("colour", view_json::vector(m.colour));
+    (out += k > 0 ? "," : "") += one.str();
+  }
+  return out += "]";
+}
+
+TALUS_INLINE std::string view_look(const picture& look) {
+  constexpr const char* names[] = {"", "rank", "speed", "material"};
+  view_json out;
+  out.add_raw("from", view_json::vector(look.from));
+  out.add_raw("at", view_json::vector(look.at));
+  out.add_raw("up", view_json::vector(look.up));
+  out.add("angle", look.angle);
+  if (look.colour != picture::colouring::automatic)
+    out.add_text("colour", names[static_cast<std::size_t>(look.colour)]);
+  if (look.fastest > 0) out.add("fastest", look.fastest);
+  if (look.follow != no_id) out.add_text("follow", std::to_string(value_of(look.follow)));
+  return out.str();
 }
 
 TALUS_INLINE void put_joints(view_blocks& to, const view_grid& grid, const view_places& places,

@@ -13,17 +13,28 @@
 
 namespace talus::detail {
 
+/// The head of a frame that adds rows to the table of the page and is not shown, and how many of
+/// the frame's bytes it needs.
+struct view_table {
+  std::string head;
+  std::size_t bytes = 0;
+};
 /// A frame: its head and the bytes of its blocks.
 struct view_frame {
   view_json head;
   byte_buffer bytes;
   std::string warning;  ///< of bodies that are left out; empty: none
+  /// What later frames use of it: heads for the beginning of the bytes, without the rows of its
+  /// bodies and with them. Empty: nothing.
+  view_table table, table_with_rows;
 };
 
 /// Makes frames on rank 0, one after another. Its memory grows with the number of bodies that the
 /// run has had so far, not with the number of frames.
 class view_frames {
  public:
+  /// `contacts`: frames hold each contact, not only what they add up to for each body.
+  explicit view_frames(bool contacts = false) : contacts_(contacts) {}
   [[nodiscard, gnu::cold]] view_frame make(std::vector<view_part>& parts);
 
  private:
@@ -44,6 +55,7 @@ class view_frames {
                 view_blocks& to, view_frame& out);
   [[nodiscard]] std::int32_t number_of(std::uint64_t form) const;
 
+  bool contacts_ = false;
   plain_vector<known_body> known_;  ///< in the order of ids and parts
   std::uint32_t rows_ = 0;
   plain_vector<std::uint32_t> shown_;  ///< rows of the last frame

@@ -185,6 +185,14 @@ TALUS_INLINE view_frame view_frames::make(std::vector<view_part>& parts) {
   sort_values(all, by_id{});
   plain_vector<std::uint32_t> rows(all.size());
   add_rows(all, rows, to, out);
+  const auto table = [&] {
+    view_json head = out.head;
+    head.add("table", 1), head.add_raw("blocks", to.where());
+    return view_table{head.str(), out.bytes.size()};
+  };
+  const bool other_domains = domains != domains_;
+  if (other_domains) out.head.add_raw("domains", "[" + domains + "]"), domains_ = domains;
+  if (!out.bytes.empty() || other_domains) out.table = table();
 
   // The order of a frame: bodies of one form follow each other.
   plain_vector<view_rank_of_body> keys(all.size());
@@ -198,7 +206,7 @@ TALUS_INLINE view_frame view_frames::make(std::vector<view_part>& parts) {
     shown[k] = rows[order[k]], place_of[order[k]] = k;
   const bool same = shown_.size() == shown.size() && rows_ > 0 &&
                     std::equal(shown.begin(), shown.end(), shown_.begin());
-  if (!same) to.put("rows", shown);
+  if (!same) to.put("rows", shown), out.table_with_rows = table();
   shown_.swap(shown);
 
   const view_grid grid(all);
@@ -214,7 +222,7 @@ TALUS_INLINE view_frame view_frames::make(std::vector<view_part>& parts) {
       if (finite(c.point) && finite(c.force)) contacts.push_back(c);
     for (const view_joint& j : p.joints) joints.push_back(j);
   }
-  put_contacts(out.head, to, grid, places, contacts);
+  put_contacts(out.head, to, grid, places, contacts, contacts_);
   put_joints(to, grid, places, joints);
 
   out.head.add("ranks", static_cast<double>(parts.size()));
@@ -222,7 +230,6 @@ TALUS_INLINE view_frame view_frames::make(std::vector<view_part>& parts) {
   out.head.add_raw("cell", view_json::vector(grid.cell()));
   out.head.add("position_error", grid.error());
   out.head.add_raw("seconds", "[" + seconds + "]");
-  if (domains != domains_) out.head.add_raw("domains", "[" + domains + "]"), domains_ = domains;
   if (!out.warning.empty()) out.head.add_raw("notes", "[" + detail::quoted(out.warning) + "]");
   out.head.add_raw("blocks", to.where());
   return out;

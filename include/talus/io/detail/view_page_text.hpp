@@ -29,12 +29,16 @@ aside { position: absolute; background: rgba(255, 255, 255, .88); border: 1px so
 #options label { display: flex; align-items: center; gap: 6px; }
 #options select, #options input[type=range] { flex: 1; min-width: 0; }
 #legend div { display: flex; justify-content: space-between; font-size: 11px; color: var(--soft); font-variant-numeric: tabular-nums; }
+#names { list-style: none; margin: 0; padding: 0; max-height: 130px; overflow-y: auto; font-size: 12px; color: var(--soft); overflow-wrap: anywhere; }
+#names i { display: inline-block; width: 10px; height: 10px; margin-right: 6px; border-radius: 2px; }
 #ramp { width: 100%; height: 10px; display: block; border-radius: 3px; }
 #body { top: 10px; right: 10px; min-width: 210px; max-width: 300px; font-variant-numeric: tabular-nums; }
 #body tr:first-child td { padding-right: 18px; }
 #body table { border-collapse: collapse; font-size: 13px; width: 100%; }
 #body th { text-align: left; font-weight: 500; color: var(--soft); padding: 1px 10px 1px 0; vertical-align: top; white-space: nowrap; }
 #body td { overflow-wrap: anywhere; }
+#follow { margin-top: 6px; font-size: 12px; padding: 2px 8px; }
+#follow[aria-pressed=true] { background: var(--accent); color: #fff; }
 #close { position: absolute; top: 4px; right: 4px; border: 0; background: none; font-size: 18px; line-height: 1; padding: 4px 8px; }
 #rate { position: absolute; right: 10px; bottom: 6px; margin: 0; font-size: 11px; color: var(--soft); font-variant-numeric: tabular-nums; pointer-events: none; }
 #message { position: absolute; left: 50%; bottom: 30px; transform: translateX(-50%); margin: 0; background: #fff3cd; border: 1px solid #e6cf7a; border-radius: 6px; padding: 6px 12px; max-width: 80%; }
@@ -67,6 +71,7 @@ figure i { display: inline-block; width: 10px; height: 3px; margin-right: 4px; v
       <h1 id="name">talus</h1>
       <p id="facts"></p>
       <label>Colour <select id="colour"></select></label>
+      <ul id="names" hidden></ul>
       <div id="legend" hidden><canvas id="ramp" width="160" height="10"></canvas><div><span id="least"></span><span id="most"></span></div></div>
       <label id="walls_row">Walls <input id="walls" type="range" min="0" max="1" step="0.05" value="0.25"></label>
       <label id="contacts_row"><input id="contacts" type="checkbox"> Contact forces</label>
@@ -75,7 +80,7 @@ figure i { display: inline-block; width: 10px; height: 3px; margin-right: 4px; v
       <label id="ghost_row"><input id="ghost" type="checkbox"> Bodies half transparent</label>
       <button id="home" title="Show everything (Home)">Fit view</button>
     </aside>
-    <aside id="body" hidden><button id="close" aria-label="Close">&times;</button><table></table></aside>
+    <aside id="body" hidden><button id="close" aria-label="Close">&times;</button><table></table><button id="follow" title="The camera moves with the body">Follow</button></aside>
     <p id="rate" aria-hidden="true"></p>
     <p id="message" hidden></p>
   </section>
@@ -127,16 +132,26 @@ const viridis = ramp_through([[68, 1, 84], [71, 45, 123], [59, 82, 139], [44, 11
 const heat = ramp_through([[86, 130, 176], [126, 110, 170], [190, 70, 110], [226, 70, 45], [240, 140, 20], [250, 200, 40]]);
 const grey_of_wall = [168, 160, 148];
 
+const colour_of_material = (run, k) => run.materials[k]?.colour?.map((x) => Math.round(255 * x)) || colour_of_number(k);
+
+// The first of these that a run has: what the program tells apart, ranks, other materials.
+const usual_modes = (run) => [...(run.materials.some((m) => m.name || m.colour) ? ["material"] : []),
+  ...(run.most("ranks") > 1 ? ["rank"] : []), "material", "speed"];
+
 // What bodies may be coloured by. `value(frame, i)` is a number; `range(run)` its least and largest
-// value; modes without a range have one colour for each number.
+// value; modes without a range have one colour for each number, which the legend lists.
 const colour_modes = {
-  rank: { label: "rank", fits: (run) => run.has("rank"), value: (f, i) => f.rank[i] },
+  rank: { label: "rank", fits: (run) => run.has("rank"), value: (f, i) => f.rank[i],
+    colour: (run, k) => colour_of_number(k), name: (run, k) => "rank " + k,
+    listed: (run) => [...Array(run.most("ranks")).keys()] },
   speed: { label: "speed", fits: (run) => run.has("velocity"), ramp: viridis, value: (f, i) => f.speed(i),
-    range: (run) => [0, run.most("speed_max")] },
+    range: (run) => [0, run.look?.fastest || run.most("speed_max")] },
   size: { label: "size", fits: () => true, ramp: viridis, value: (f, i) => f.run.reach(f.rows[i]),
     range: (run) => run.sizes() },
-  material: { label: "material", fits: (run) => run.has("material"), value: (f, i) => f.run.table.material[f.rows[i]] },
-  force: { label: "force", fits: (run) => run.has("contacts"), ramp: heat, value: (f, i) => f.forces()[i],
+  material: { label: "material", fits: (run) => run.has("material"), value: (f, i) => f.run.table.material[f.rows[i]],
+    colour: colour_of_material, name: (run, k) => run.name_of_material(k), listed: (run) => run.materials_in_use(),
+    own_colour: (run, k) => Boolean(run.materials[k]?.colour) },
+  force: { label: "force", fits: (run) => run.has("forces"), ramp: heat, value: (f, i) => f.force(i),
     range: (run) => [0, 6 * run.most("force_mean")] },
 };
 
@@ -209,18 +224,16 @@ class moment {
     const n = this.turned(i), q = this.blocks.orientation;
     return n < 0 || !q ? [0, 0, 0, 1] : [0, 1, 2, 3].map((k) => q[4 * n + k] / 32767);
   }
-  // Sum of the sizes of the contact forces on each body.
-  forces() {
-    if (this.sums) return this.sums;
-    this.sums = new Float32Array(this.count);
-    this.touching = new Uint16Array(this.count);
-    const { contact_a: a, contact_b: b, contact_force: f } = this.blocks;
-    for (let k = 0; a && k < a.length; ++k) {
-      const force = f[k] * this.head.force_cell;
-      for (const i of [a[k], b[k]])
-        if (i !== none) this.sums[i] += force, ++this.touching[i];
-    }
-    return this.sums;
+  // Sum of the sizes of the contact forces on body i.
+  force(i) {
+    const f = this.blocks.force;
+    if (!f) return 0;
+    return f[i] * (this.run.table.flags[this.rows[i]] & 1 ? this.head.wall_force_cell : this.head.body_force_cell);
+  }
+  // Index of a body, of a union its first part, by its id, or -1.
+  index_of_id(id) {
+    const { id: ids, part } = this.run.table;
+    return this.rows.findIndex((r) => ids[r] === id && part[r] === 0);
   }
   // Index of a body by its row, or -1.
   index_of(row) {
@@ -229,25 +242,47 @@ class moment {
 }
 
 class run_data {
-  // `heads` of the frames; `fetch(k)` gives the bytes of frame k, or a promise of them.
+  // `heads` of the frames; `fetch(k)` gives the bytes that belong to head k, or a promise of them. Some
+  // heads only add rows to the table: `all` has them, too, and `places` tells where those of frames are.
   constructor(about, heads, fetch) {
-    Object.assign(this, { about, heads, fetch });
+    Object.assign(this, { about, fetch });
+    this.all = [], this.heads = [], this.places = [];
+    this.add(heads);
+    const told = { ...about, ...about.end };
+    this.materials = told.materials || [], this.look = told.look, this.colour = told.colour || told.look?.colour;
     this.table = new body_table();
     this.forms = [];
-    this.filled = 0; // frames whose rows are in the table
+    this.filled = 0; // heads whose rows are in the table
     this.cache = new Map();
     this.room = 256 << 20; // bytes of decoded frames that are kept
     this.held = 0;
   }
+  add(heads) {
+    for (const h of heads) {
+      if (!h.table) this.heads.push(h), this.places.push(this.all.length);
+      this.all.push(h);
+    }
+  }
   // Whether any frame has such data.
   has(what) {
-    const block = { contacts: "contact_a", joints: "joint_a" }[what] || what;
-    if (what === "material") return new Set(this.table.material.subarray(0, this.table.length)).size > 1;
+    const block = { contacts: "contact_a", joints: "joint_a", forces: "force" }[what] || what;
+    if (what === "material") return this.materials.some((m) => m.name || m.colour) ||
+      new Set(this.table.material.subarray(0, this.table.length)).size > 1;
     if (what === "rank") return this.heads.some((h) => h.blocks.rank) || this.heads.every((h) => h.ranks === 1);
     return this.heads.some((h) => (block === "domains" ? h.domains && h.domains.length > 1 : h.blocks[block] && h.blocks[block][2] > 0));
   }
   most(name) {
     return Math.max(0, ...this.heads.map((h) => h[name] || 0));
+  }
+  name_of_material(k) {
+    return this.materials[k]?.name || "material " + k;
+  }
+  // The numbers of the materials in the table: of movable bodies, and of walls if they have a colour.
+  materials_in_use() {
+    const t = this.table, used = new Set();
+    for (let r = 0; r < t.length; ++r)
+      if (!(t.flags[r] & 1) || this.materials[t.material[r]]?.colour) used.add(t.material[r]);
+    return [...used].sort((a, b) => a - b);
   }
   // Least and largest size of the movable bodies.
   sizes() {
@@ -271,7 +306,7 @@ class run_data {
       return kept;
     }
     const bytes = await this.fetch(k), blocks = {};
-    for (const [name, [type, at, n]] of Object.entries(this.heads[k].blocks))
+    for (const [name, [type, at, n]] of Object.entries(this.all[k].blocks))
       blocks[name] = new number_types[type](bytes.buffer, bytes.byteOffset + at, n);
     this.cache.set(k, blocks), this.held += bytes.byteLength;
     blocks.bytes = bytes.byteLength;
@@ -283,24 +318,26 @@ class run_data {
   }
   // Frame k with all that it shares with earlier ones.
   async load(k) {
-    for (; this.filled <= k; ++this.filled) {
-      const head = this.heads[this.filled];
+    const place = this.places[k];
+    for (; this.filled <= place; ++this.filled) {
+      const head = this.all[this.filled];
       if (!head.blocks.new_id) continue;
       const blocks = await this.blocks_of(this.filled);
       this.table.append(blocks);
       for (const form of head.forms || [])
         this.forms.push({ points: blocks["form_points_" + form], corners: blocks["form_corners_" + form] });
     }
-    const blocks = await this.blocks_of(k);
-    let at = k;
-    while (!this.heads[at].blocks.rows) --at;
-    const rows = at === k ? blocks.rows : (await this.blocks_of(at)).rows;
+    const blocks = await this.blocks_of(place);
+    let at = place;
+    while (!this.all[at].blocks.rows) --at;
+    const rows = at === place ? blocks.rows : (await this.blocks_of(at)).rows;
     const rank = blocks.rank || new Uint16Array(rows.length);
     return new moment(this, k, this.heads[k], blocks, rows, rank);
   }
   domains_at(k) {
-    while (k >= 0 && !this.heads[k].domains) --k;
-    return k < 0 ? [] : this.heads[k].domains;
+    let at = this.places[k];
+    while (at >= 0 && !this.all[at].domains) --at;
+    return at < 0 ? [] : this.all[at].domains;
   }
 }
 
@@ -339,7 +376,8 @@ class orbit {
       if (pointers.size === 1) moved = 0;
     });
     canvas.addEventListener("pointermove", (e) => {
-      const before = pointers.get(e.pointerId);
+  )page",
+    R"page(    const before = pointers.get(e.pointerId);
       if (!before) return;
       const [x, y] = at(e), dx = x - before[0], dy = y - before[1];
       pointers.set(e.pointerId, [x, y]), moved += Math.abs(dx) + Math.abs(dy);
@@ -373,8 +411,7 @@ class orbit {
       else if (e.key === "+" || e.key === "=") this.zoom(0.85);
       else if (e.key === "-") this.zoom(1 / 0.85);
       else return;
-      e.preventDef)page",
-    R"page(ault();
+      e.preventDefault();
     });
   }
   // Axes of the view for an upward direction.
@@ -397,6 +434,21 @@ class orbit {
     const e = this.camera.matrixWorld.elements;
     this.target.add(new THREE.Vector3(e[0], e[1], e[2]).multiplyScalar(-dx * scale));
     this.target.add(new THREE.Vector3(e[4], e[5], e[6]).multiplyScalar(dy * scale));
+    this.changed();
+  }
+  // A camera at a place that looks at a point.
+  look(from, at, up, fov) {
+    this.frame(up);
+    this.camera.fov = fov;
+    const way = from.clone().sub(at);
+    this.target.copy(at), this.distance = Math.max(way.length(), 1e-12);
+    way.multiplyScalar(1 / this.distance);
+    this.height = Math.max(-1.55, Math.min(1.55, Math.asin(Math.max(-1, Math.min(1, way.dot(this.up))))));
+    this.angle = Math.atan2(way.dot(this.front), way.dot(this.side));
+    this.changed();
+  }
+  move(x, y, z) {
+    this.target.x += x, this.target.y += y, this.target.z += z;
     this.changed();
   }
   // Looks at a sphere, as near as it fits into the picture.
@@ -529,7 +581,10 @@ varying vec3 shade, facing, eye;
 varying vec2 on_grid;
 void main() {
   vec3 normal = normalize(facing);
-  if (dot(normal, eye) > 0.0) normal = -normal;
+  if (dot(normal, eye) > 0.0) {
+    if (gridded > 0.5) discard; // a plane from behind would hide what it bears
+    normal = -normal;
+  }
   float solid = opacity;
 #ifdef GL_OES_standard_derivatives
   if (gridded > 0.5) {
@@ -601,7 +656,8 @@ class hidden_spheres {
         const q0 = q[k], q1 = q[k + 1], q2 = q[k + 2];
         u += b0 * q0 + b1 * q1 + b2 * q2, v += b3 * q0 + b4 * q1 + b5 * q2, w += b6 * q0 + b7 * q1 + b8 * q2;
       }
-      const depth = -w;
+      const dept)page",
+    R"page(h = -w;
       z[i] = -1;
       if (depth <= 0) continue;
       const scale = pixels / depth, size = radius[i] * scale;
@@ -645,8 +701,7 @@ class hidden_spheres {
         const off = Math.max(Math.abs(line - cy), Math.abs(line + 1 - cy));
         if (off >= inner) continue;
         const half = Math.sqrt(inner_square - off * off), to = Math.min(columns, Math.floor(cx + half));
-        for (let c = Math.max)page",
-    R"page((0, Math.ceil(cx - half)); c < to; ++c) covered[line * columns + c] = 1;
+        for (let c = Math.max(0, Math.ceil(cx - half)); c < to; ++c) covered[line * columns + c] = 1;
       }
     }
     return drawn;
@@ -851,7 +906,8 @@ class body_group {
   // Leaves out the points that others hide. Positions are mixed as in the shader.
   hide(view, width, height, pixels) {
     const g = this.geometry, u = this.material.uniforms, a = g.attributes;
-    // Where most are seen, as in a thin cloud, the search does not pay: it pauses for some pictures.
+ )page",
+    R"page(   // Where most are seen, as in a thin cloud, the search does not pay: it pauses for some pictures.
     if (this.pause > 0) --this.pause;
     if (this.material.transparent || this.pause > 0) {
       if (g.index) g.setIndex(null), g.setDrawRange(0, this.count);
@@ -896,8 +952,7 @@ class line_group {
       const put = (name, made) => (g.setAttribute ? g.setAttribute(name, made) : g.addAttribute(name, made));
       put("position", new THREE.BufferAttribute(new Float32Array([0, -1, 0, 1, -1, 0, 1, 1, 0, 0, -1, 0, 1, 1, 0, 0, 1, 0]), 3));
       put("from", new THREE.InstancedBufferAttribute(new Float32Array(3 * this.room), 3));
-      put("to", new THREE.InstancedBufferAttribute(new Float32Array(3 * this.room), 3))page",
-    R"page();
+      put("to", new THREE.InstancedBufferAttribute(new Float32Array(3 * this.room), 3));
       put("width", new THREE.InstancedBufferAttribute(new Float32Array(this.room), 1));
       put("colour", new THREE.InstancedBufferAttribute(new Uint8Array(4 * this.room), 4, true));
       this.object = new THREE.Mesh(g, this.material);
@@ -1020,6 +1075,7 @@ class picture_stage {
 
 // Where a ray, in the frame of a body, meets its form; Infinity if it does not.
 function ray_meets(kind, form, size, from, way) {
+  if (kind.shape === shape.plane && way.z >= 0) return Infinity; // from behind it is not drawn
   if (kind.form >= 0) {
     let best = Infinity;
     const { points: p, corners: c } = form;
@@ -1081,7 +1137,7 @@ function facts_of(frame, i) {
   if (t.shape[r] === shape.sphere) put("radius", short_number(size[0] / 2));
   else if (t.shape[r] !== shape.plane) put("size", vector(size));
   if (t.mass[r] > 0 && !(t.flags[r] & 1)) put("mass", short_number(+t.mass[r].toPrecision(5)));
-  put("material", t.material[r]);
+  put("material", run.name_of_material(t.material[r]).replace(/^material /, ""));
   if (!(t.flags[r] & 2)) put("rank", frame.rank[i]);
   put("position", vector(frame.place(i, [0, 0, 0])));
   const error = frame.head.position_error;
@@ -1089,13 +1145,14 @@ function facts_of(frame, i) {
   const v = frame.blocks.velocity;
   if (v && !(t.flags[r] & 2)) {
     put("velocity", vector([0, 1, 2].map((k) => v[3 * i + k] * frame.head.speed_cell)));
-    put("speed", short_number(+frame.speed(i).toPrecision(4)));
+    put("spee)page",
+    R"page(d", short_number(+frame.speed(i).toPrecision(4)));
   }
   if (frame.blocks.asleep && frame.blocks.asleep[i]) put("state", "asleep");
-  if (frame.blocks.contact_a) {
-    const force = frame.forces()[i];
-    put("contacts", frame.touching[i]);
-    put("force", short_number(+force.toPrecision(4)) + " in all");
+  if (frame.blocks.force) {
+    const touching = frame.blocks.touching[i];
+    put("contacts", touching < 255 ? touching : "255 or more");
+    put("force", short_number(+frame.force(i).toPrecision(4)) + " in all");
   }
   return rows;
 }
@@ -1127,17 +1184,19 @@ function ticks_between(low, high, about) {
 
 // What is plotted: names of values in the heads, by figure. What a run has not is left out.
 const figures = [
-  { title: "Energy", unit: "M L²/T²", names: { kinetic_energy: "kinetic", potential_energy: "potential", total_energy: "sum" } },
+  { title: "Energy", unit: "M L²/T²", names: { kinetic_energy: "kinetic", potential_energy: "potential", energy_elastic: "elastic (contacts)",
+    energy_of_motion: "kinetic + potential", total_energy: "sum" } },
   { title: "Energy book", unit: "M L²/T²", names: { energy_work: "work", energy_friction: "friction", energy_impact: "impacts",
-    energy_damping: "damping", energy_correction: "position correction", energy_scheme: "time stepping", energy_sleep: "sleep" } },
-  { title: "Error of the energy book", unit: "", log: true, names: { energy_error: "now", energy_error_worst: "worst so far" } },
+    energy_damping: "damping", energy_correction: "position correction", energy_scheme: "time stepping", energy_sleep: "sleep",
+    energy_motors: "motors", energy_springs: "springs of joints", energy_joint_friction: "friction of joints" } },
+  { title: "Error of the energy book", unit: "", log: true, names: { energy_error: "last step", energy_error_worst: "worst step" } },
   { title: "Overlap", unit: "mean radii", log: true, names: { penetration_mean: "mean", penetration_max: "largest" } },
   { title: "Overlap by the monitor", unit: "mean radii", log: true,
-    names: { overlap_mean: "mean", overlap_max: "largest", overlap_worst: "largest so far" } },
-  { title: "Contact residual", unit: "", log: true, names: { contact_residual: "residual", contact_residual_worst: "worst contact" } },
+    names: { overlap_mean: "mean", overlap_max: "largest", overlap_worst: "worst step" } },
+  { title: "Contact residual", unit: "", log: true, names: { contact_residual: "all contacts", contact_residual_max: "worst contact",
+    contact_residual_worst: "worst step" } },
   { title: "Momentum balance", unit: "", log: true, names: { momentum_error: "error" } },
-  { title: "Weig)page",
-    R"page(ht borne by contacts", unit: "over the weight", names: { borne_weight: "borne" } },
+  { title: "Weight borne by contacts", unit: "over the weight", names: { borne_weight: "borne" } },
   { title: "Largest speed", unit: "L/T", names: { max_speed: "speed" } },
   { title: "Bodies and contacts", unit: "", names: { bodies: "bodies", contacts: "contacts" } },
   { title: "Normal force", unit: "M L/T²", names: { normal_force_mean: "mean", normal_force_max: "largest" } },
@@ -1233,7 +1292,11 @@ function draw_plots(parent, run) {
   const heads = run.heads.map((h) => h.values || {}), times = run.heads.map((h) => h.time), all = [];
   if (heads.length < 2) return all;
   for (const v of heads)
-    if (v.kinetic_energy !== undefined && v.potential_energy !== undefined) v.total_energy = v.kinetic_energy + v.potential_energy;
+    if (v.kinetic_energy !== undefined && v.potential_energy !== undefined) {
+      // Without the energy of springs in contacts the sum of the two is not what a run conserves.
+      const sum = v.kinetic_energy + v.potential_energy, elastic = v.energy_elastic;
+      v[elastic === undefined && run.about.soft ? "energy_of_motion" : "total_energy"] = sum + (elastic || 0);
+    }
   const known = new Set([...figures.flatMap((f) => Object.keys(f.names)), "momentum_x", "momentum_y", "momentum_z",
     "energy_initial", "energy_changes"]);
   const present = [...new Set(heads.flatMap((v) => Object.keys(v)))];
@@ -1293,7 +1356,7 @@ function talus_view() {
   } catch (error) {
     say("This browser draws no WebGL: " + error.message);
   }
-  const state = { at: 0, mode: "rank", playing: false, speed: 1, picked: null, frame: null, next: null, dirty: true, drawn: 0 };
+  const state = { at: 0, mode: null, playing: false, speed: 1, picked: null, followed: null, followed_at: null, frame: null, next: null, dirty: true, drawn: 0 };
   let plots = [], control, wanted = 0, loading = null, colours = new Uint8Array(0), written = 0;
   const api = (window.talus = { run, state, stage, frames: () => run.heads.length });
 
@@ -1304,7 +1367,8 @@ function talus_view() {
   };
   const mode = () => colour_modes[state.mode];
   function colour_bodies() {
-    const f = state.frame, m = mode(), flags = run.table.flags, rows = f.rows, n = f.count;
+    const f = state.frame, m = mode)page",
+    R"page((), flags = run.table.flags, rows = f.rows, n = f.count;
     if (colours.length < 4 * n) colours = new Uint8Array(8 * n);
     const to = new Uint32Array(colours.buffer), word = ([r, g, b]) => (255 << 24) | (b << 16) | (g << 8) | r;
     const wall = word(grey_of_wall), picked = word([255, 40, 220]);
@@ -1317,7 +1381,7 @@ function talus_view() {
       const hues = [];
       for (let i = 0; i < n; ++i) {
         const k = m.value(f, i);
-        to[i] = flags[rows[i]] & 1 ? wall : hues[k] ?? (hues[k] = word(colour_of_number(k)));
+        to[i] = flags[rows[i]] & 1 && !m.own_colour?.(run, k) ? wall : hues[k] ?? (hues[k] = word(m.colour(run, k)));
       }
     }
     if (state.picked !== null && f.index_of(state.picked) >= 0) to[f.index_of(state.picked)] = picked;
@@ -1358,14 +1422,30 @@ function talus_view() {
       for (const [a, b] of edges_of_domain(d.planes, stage.lower, stage.upper)) {
         from.push(...a), to.push(...b), width.push(1.5), colour.push(...colour_of_number(d.rank), 255);
       }
-    if (width.length) stage.lines.domains.show(width.length, from, to,)page",
-    R"page( width, colour, false);
+    if (width.length) stage.lines.domains.show(width.length, from, to, width, colour, false);
     else stage.lines.domains.hide();
+  }
+  // Where the followed body is between two frames, or null.
+  function place_of_followed() {
+    const f = state.frame, i = f.index_of_id(state.followed);
+    if (i < 0) return null;
+    const p = f.place(i, [0, 0, 0]), q = state.next ? state.next.place(i, [0, 0, 0]) : p, part = state.at - f.number;
+    return state.next ? p.map((x, k) => x + part * (q[k] - x)) : p;
+  }
+  function move_camera() {
+    const at = state.followed === null ? null : place_of_followed();
+    if (at && state.followed_at) control.move(...at.map((x, k) => x - state.followed_at[k]));
+    if (at) state.followed_at = at;
+  }
+  function follow_body(id) {
+    state.followed = id, state.followed_at = null;
+    if (state.frame) move_camera(), show_body();
   }
   function show_frame(frame, next, part) {
     const new_frame = frame !== state.frame;
     Object.assign(state, { frame, next });
     stage.show(frame, next, part);
+    move_camera();
     if (new_frame || state.recolour) colour_bodies(), (state.recolour = false);
     if (new_frame || state.relink) show_lines(), (state.relink = false);
     stage.look({ walls: +$("walls").value, ghost: $("ghost").checked || $("contacts").checked });
@@ -1387,6 +1467,8 @@ function talus_view() {
     const i = state.picked === null ? -1 : state.frame.index_of(state.picked);
     $("body").hidden = i < 0;
     if (i < 0) return;
+    $("follow").hidden = Boolean(run.table.flags[state.picked] & 1);
+    $("follow").setAttribute("aria-pressed", run.table.id[state.picked] === state.followed);
     const table = $("body").querySelector("table");
     table.replaceChildren(...facts_of(state.frame, i).map(([name, value]) => {
       const row = document.createElement("tr"), head = document.createElement("th"), cell = document.createElement("td");
@@ -1394,13 +1476,14 @@ function talus_view() {
       return row;
     }));
   }
+  const same_rows = (k, next) => run.all.slice(run.places[k] + 1, run.places[next] + 1).every((h) => !h.blocks.rows);
   // Loads the frame before `at`, and the one after it, and shows the moment between them.
   async function show(at) {
     state.at = Math.max(0, Math.min(run.heads.length - 1, at));
     const k = Math.floor(state.at + 1e-9), part = state.at - k;
     const frame = state.frame && state.frame.number === k ? state.frame : await run.load(k);
     let next = null;
-    if (part > 1e-6 && k + 1 < run.heads.length && !run.heads[k + 1].blocks.rows)
+    if (part > 1e-6 && k + 1 < run.heads.length && same_rows(k, k + 1))
       next = state.next && state.next.number === k + 1 ? state.next : await run.load(k + 1);
     if (stage) show_frame(frame, next, part);
     redraw();
@@ -1462,18 +1545,36 @@ function talus_view() {
       if (t.shape[f.rows[i]] === shape.plane) state.reach = Math.max(state.reach, 1.5 * run.reach(f.rows[i]));
   }
   const fit = () => control.fit(state.centre, state.radius);
+  // The view of the program, whose angle is that of the width of a picture of 4 by 3; without one, everything.
+  function first_view() {
+    const look = run.look, vector = (v) => new THREE.Vector3(...v);
+    if (!look) return fit();
+    const from = vector(look.from), at = vector(look.at);
+    if (look.follow !== undefined) {
+      follow_body(BigInt(look.follow));
+      if (state.followed_at) from.add(vector(state.followed_at)), at.add(vector(state.followed_at));
+    }
+    control.look(from, at, vector(look.up), (360 / Math.PI) * Math.atan(0.75 * Math.tan((look.angle * Math.PI) / 360)));
+  }
 
   // --- Controls --------------------------------------------------------------------------------
 
   function list_modes() {
     const names = Object.keys(colour_modes).filter((n) => colour_modes[n].fits(run));
-    if (!names.includes(state.mode)) state.mode = names[0];
+    if (!names.includes(state.mode)) state.mode = [run.colour, ...usual_modes(run), names[0]].find((n) => names.includes(n));
     $("colour").replaceChildren(...names.map((n) => new Option(colour_modes[n].label, n, false, n === state.mode)));
   }
   function show_legend() {
     const m = mode();
-    $("legend").hidden = !m.ramp;
-    if (!m.ramp) return;
+    $("legend").hidden = !m.ramp, $("names").hidden = Boolean(m.ramp);
+    if (!m.ramp) {
+      $("names").replaceChildren(...m.listed(run).slice(0, 256).map((k) => {
+        const item = document.createElement("li"), mark = document.createElement("i");
+        mark.style.background = "rgb(" + m.colour(run, k) + ")", item.append(mark, m.name(run, k));
+        return item;
+      }));
+      return;
+    }
     const [low, high] = m.range(run), pen = $("ramp").getContext("2d");
     for (let x = 0; x < 160; ++x) {
       const k = 3 * Math.floor((255 * x) / 159);
@@ -1499,7 +1600,8 @@ function talus_view() {
     show_body(), again("recolour")();
     return i;
   }
-  function toggle() {
+  fu)page",
+    R"page(nction toggle() {
     if (state.playing) return stop();
     if (state.at >= run.heads.length - 1) state.at = 0, require(0);
     state.playing = true, ($("play").innerHTML = "&#10074;&#10074;"), (state.clock = performance.now());
@@ -1518,6 +1620,10 @@ function talus_view() {
     for (const id of ["contacts", "joints", "domains"]) $(id).onchange = again("relink");
     $("walls").oninput = $("ghost").onchange = again("look");
     $("home").onclick = fit;
+    $("follow").onclick = () => {
+      const id = run.table.id[state.picked];
+      follow_body(state.followed === id ? null : id);
+    };
     $("close").onclick = () => (state.picked = null, show_body(), again("recolour")());
     window.addEventListener("resize", redraw);
     window.addEventListener("keydown", (e) => {
@@ -1565,9 +1671,9 @@ function talus_view() {
     if (about.policies) notes.push(about.policies);
     notes.push("Positions are stored to ± " + short_number(+error.toPrecision(2)) + ", velocities to ± " +
       short_number(+(Math.max(...run.heads.map((h) => h.speed_cell || 0)) / 2).toPrecision(2)) + ".");
-    const short = run.heads.filter((h) => h.contacts_of > (h.blocks.contact_a ? h.blocks.contact_a[2] : 0));
+    const short = run.heads.filter((h) => h.blocks.contact_a && h.contacts_of > h.blocks.contact_a[2]);
     if (short.length) notes.push("Of up to " + Math.max(...short.map((h) => h.contacts_of)) +
-      " contacts per frame the strongest are stored; sums of forces count these alone.");
+      " contacts per frame the strongest are drawn.");
     for (const h of run.heads) for (const n of h.notes || []) notes.push("Step " + h.step + ": " + n);
     for (const n of [...(about.notes || []), ...((about.end && about.end.notes) || [])]) notes.push(n);
     $("notes").replaceChildren(...notes.slice(0, 50).map((n) => Object.assign(document.createElement("p"), { textContent: n })));
@@ -1588,22 +1694,20 @@ function talus_view() {
     control = new orbit($("canvas"), stage.camera, up, redraw, pick);
     stage.camera.aspect = $("canvas").clientWidth / Math.max(1, $("canvas").clientHeight);
     list_modes(), describe(), connect(), show_legend();
-    state.frame = await run.load(0), measure(), (state.frame = null);
-    fit();
+    state.frame = await run.load(0), measure(), first_view(), (state.frame = null);
     await require(0);
     Object.assign(api, { control, show: require, pick, fit, choose_colour, toggle, redraw });
     requestAnimationFrame(loop);
     api.ready = true;
   }
-  // Of a run )page",
-    R"page(under way: asks for the heads of new frames.
+  // Of a run under way: asks for the heads of new frames.
   async function follow() {
     try {
       const answer = await fetch("heads/" + run.heads.length);
       if (!answer.ok) throw new Error("the server answers " + answer.status);
       const more = await answer.json(), first = run.heads.length === 0, at_end = state.at >= run.heads.length - 1;
       if ((run.series ??= more.series) !== more.series) return location.reload(); // another run
-      run.heads.push(...more.heads);
+      run.add(more.heads);
       say(run.heads.length ? "" : "Waiting for the first frame.");
       if (run.heads.length && first) await begin(), require(run.heads.length - 1);
       else if (more.heads.length) {

@@ -19,13 +19,11 @@
 
 namespace talus::detail {
 
-/// Steps from one frame to the next, unless the user says otherwise: 200 frames, fewer of many
-/// bodies (64 MB of frames), at least 20.
-[[nodiscard, gnu::cold]] inline std::uint64_t usual_view_interval(std::uint64_t steps,
-                                                                  std::uint64_t bodies) {
-  const std::uint64_t frames = std::clamp<std::uint64_t>(
+/// Frames of a page, unless the user says otherwise: 200, fewer of many bodies (64 MB), at least
+/// 20.
+[[nodiscard, gnu::cold]] inline std::uint64_t usual_view_frames(std::uint64_t bodies) {
+  return std::clamp<std::uint64_t>(
       (std::uint64_t{64} << 20) / (16 * std::max<std::uint64_t>(bodies, 1)), 20, 200);
-  return std::max<std::uint64_t>(1, (steps + frames - 1) / frames);
 }
 
 /// The page of one rank's world; its file is on rank 0.
@@ -33,7 +31,12 @@ template <class Scenario>
 class run_view {
  public:
   run_view(world<Scenario>& w, const options& o, std::string name)
-      : w_(w), name_(std::move(name)), every_(o.view_every) {
+      : w_(w),
+        name_(std::move(name)),
+        every_(o.view_every),
+        by_itself_(o.view_every == 0),
+        colour_(o.colour),
+        frames_(o.view_contacts) {
     if (w.rank() == 0) page_ = std::make_unique<view_page>(o.view, o.force);
   }
   /// Collective, after each step.
@@ -43,15 +46,15 @@ class run_view {
   /// Collective, at the start of each simulate() of so many steps more.
   [[gnu::cold]] void begin(std::uint64_t steps) {
     if (every_ == 0) {
-      std::uint64_t bodies = w_.local_bodies();
-      w_.link().reduce(reduction::sum, std::span(&bodies, 1));
-      every_ = usual_view_interval(steps, bodies);
+      const std::uint64_t frames = count_usual_frames();
+      every_ = std::max<std::uint64_t>(1, (steps + frames - 1) / frames);
     }
     if (!begun_) add();
     begun_ = true;
   }
   /// Collective: adds the present state, if it is not there yet, and completes the page.
   [[gnu::cold]] void finish() {
+    by_itself_ = false;
     add();
     if (!page_) return;
     std::string names;
@@ -59,13 +62,39 @@ class run_view {
       (names += names.empty() ? "" : ",") += detail::quoted(r.name);
     view_json end;
     end.add_raw("recorded", "[" + names + "]");
-    page_->finish(end.str());
+    page_->finish(describe(end));
   }
 
  private:
+  [[nodiscard, gnu::cold]] std::uint64_t count_usual_frames() {
+    std::uint64_t bodies = w_.local_bodies();
+    w_.link().reduce(reduction::sum, std::span(&bodies, 1));
+    return usual_view_frames(bodies);
+  }
   [[gnu::cold]] void add() {
     if (last_ == w_.steps()) return;
     last_ = w_.steps();
+    add_frame();
+    steps_.push_back(last_);
+    if (by_itself_) thin_out();
+  }
+  /// Nobody knows at the first call of simulate() how many steps the others make. With half as many
+  /// frames again as usual, the interval doubles, and the frames between are removed.
+  [[gnu::cold]] void thin_out() {
+    const std::uint64_t most = 3 * count_usual_frames() / 2;
+    if (steps_.size() <= most) return;
+    while (steps_.size() > most) {
+      every_ *= 2;
+      const std::uint64_t first = steps_[0];
+      std::size_t kept = 0;
+      for (const std::uint64_t step : steps_)
+        if (step == first || step % every_ == 0) steps_[kept++] = step;
+      steps_.resize(kept);
+    }
+    last_ = steps_.back();
+    if (page_) page_->keep(std::span<const std::uint64_t>(steps_.data(), steps_.size()));
+  }
+  [[gnu::cold]] void add_frame() {
     const view_json values = measure();
     const auto bytes = w_.link().gather(writer_.part_of(w_).packed());
     if (!page_) return;
@@ -79,10 +108,18 @@ class run_view {
     frame.head.add_raw("gravity", view_json::vector(g));
     if (!frame.warning.empty())
       say_in_run(compose("{}: warning: --view: step {}: {}\n", name_, w_.steps(), frame.warning));
-    view_json about;
+    page_->add(frame, w_.steps(), describe(view_json{}));
+  }
+  /// What the page says of the run: also materials, and the view of the program.
+  [[nodiscard, gnu::cold]] std::string describe(view_json about) {
     about.add_text("name", name_);
     about.add_text("policies", policies_in_use(view_of(w_)));
-    page_->add(frame, about.str());
+    if constexpr (Scenario::contact_law::soft) about.add_raw("soft", "true");
+    const material_table& materials = view_of(w_).materials;
+    about.add_raw("materials", view_materials(materials));
+    if (!colour_.empty()) about.add_text("colour", colour_);
+    if (w_.look()) about.add_raw("look", view_look(*w_.look()));
+    return about.str();
   }
   /// What the page plots. The record of residuals stays as it is: a run with a page has the same
   /// results as one without.
@@ -96,7 +133,7 @@ class run_view {
         const auto before = kept;
         const contact_residual r = measure_residual(w_);
         kept = before;
-        values.add("contact_residual", r.value), values.add("contact_residual_worst", r.max);
+        values.add("contact_residual", r.value), values.add("contact_residual_max", r.max);
       }
     for (const recorded_value& r : w_.records().all()) values.add(r.name, r.value);
     return values;
@@ -105,6 +142,9 @@ class run_view {
   world<Scenario>& w_;
   std::string name_;
   std::uint64_t every_;
+  bool by_itself_;                          ///< the interval follows the length of the run
+  std::string colour_;                      ///< of bodies at the beginning; empty: as usual
+  plain_vector<std::uint64_t> steps_;       ///< of the frames
   std::uint64_t last_ = ~std::uint64_t{0};  ///< step of the last frame
   bool begun_ = false;
   view_writer writer_;

@@ -1,0 +1,83 @@
+// What pictures show of materials, walls of triangles and a body that the camera follows.
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <talus/io/povray.hpp>
+#include <talus/mesh.hpp>
+#include <talus/parallel/grid.hpp>
+#include <talus/parallel/threads.hpp>
+
+using namespace talus;
+using scene =
+    scenario<bodies<sphere, triangle_mesh>, transport<threads>, decomposition<grid<2, 1>>>;
+
+namespace {
+
+/// A grey and a nameless sphere on two ranks in a tube; `body_of` is the number of the first one.
+std::string draw(picture look, bool coloured, bool follows = false) {
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("talus_look_" + std::to_string(std::rand()) + ".pov");
+  threads::launch({.ranks = 2}, [&](threads::link& link) {
+    world<scene> w(link, {.lower = {-9, -9}, .upper = {9, 9}});
+    const auto stone =
+        w.material(coloured ? material{.name = "stone", .colour = {0.25, 0.5, 0.75}} : material{});
+    const auto other = w.material({});
+    w.global([&](auto& s) { s.add(tube_surface({.radius = 4, .height = 3}), other, {0, 0, 1.5}); });
+    const auto first =
+        w.add_if_local(body{.shape = sphere{0.5}, .position = {3, 1, 2}, .material = stone});
+    w.add_if_local(body{.shape = sphere{0.5}, .position = {-3, 0, 2}, .material = other});
+    picture mine = look;
+    if (follows && first) mine.follow = first->id;  // one rank alone knows it
+    w.synchronize();
+    write_povray(w, file.string(), mine);
+  });
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  std::filesystem::remove(file);
+  return text.str();
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != text.npos; }
+
+}  // namespace
+
+TEST_CASE("bodies have the colours of their materials, if a material has a name or a colour") {
+  const std::string coloured = draw({}, true), plain = draw({}, false);
+  CHECK(has(coloured, "srgbt<0.25,0.5,0.75,0>"));
+  CHECK_FALSE(has(plain, "srgbt<0.25,0.5,0.75,0>"));
+  CHECK(plain == draw({.colour = picture::colouring::rank}, false));
+  CHECK_FALSE(has(draw({.colour = picture::colouring::rank}, true), "srgbt<0.25,0.5,0.75,0>"));
+  // Without colours of their own, two materials differ.
+  CHECK(draw({.colour = picture::colouring::material}, false) != plain);
+}
+
+TEST_CASE("bodies are seen through walls of triangles") {
+  CHECK(has(draw({}, false), ",0.65>}}"));
+  CHECK_FALSE(has(draw({.surfaces = 1}, false), ",0.65>}}"));
+  CHECK_FALSE(has(draw({.surfaces = 0}, false), "mesh{"));
+}
+
+TEST_CASE("a camera that follows a body is beside it, whichever rank owns it") {
+  const picture look{.from = {0, -8, 1}, .at = {0, 0, 0}};
+  CHECK(has(draw(look, false, true), "camera{location <3,-7,3>"));
+  CHECK(has(draw(look, false, true), "look_at <3,1,2>"));
+  CHECK(has(draw(look, false), "camera{location <0,-8,1>"));
+}
+
+TEST_CASE("a material whose colour is no colour, or whose name is too long, is refused") {
+  threads::launch({.ranks = 1}, [](threads::link& link) {
+    world<scenario<bodies<sphere>>> w(link);
+    for (const real bad : {-0.1, 1.5, std::numeric_limits<real>::quiet_NaN()})
+      CHECK_THROWS_WITH_AS(w.material({.colour = {0.5, bad, 0.5}}),
+                           doctest::Contains("red, green and blue from 0 to 1, but is (0.5, "),
+                           std::invalid_argument);
+    CHECK_THROWS_WITH_AS(w.material({.name = std::string(32, 'x')}),
+                         doctest::Contains("at most 31 bytes: shorten 'xxx"),
+                         std::invalid_argument);
+    CHECK(w.material({.name = std::string(31, 'x')}) == material_id{0});
+  });
+}
