@@ -49,10 +49,11 @@ class grounded_contacts {
   template <bool Forward>
   void sweep(std::size_t first, std::size_t last, plain_vector<Contact>& contacts,
              solver_state& s) const {
+    const real small = converged * s.speed;
     each<Forward>(first, last, [&](const group& g) {
-      const real change = there_and_back(g, contacts, s);
-      for (int k = 1; k < visits; ++k)
-        if (there_and_back(g, contacts, s) <= part_left * change) break;
+      const real change = there_and_back(g, small, contacts, s);
+      for (int k = 1; k < visits && change > small; ++k)
+        if (there_and_back(g, small, contacts, s) <= std::max(part_left * change, small)) break;
     });
   }
   /// Until nothing of relevance changes, because it may be the only sweep of its step; then calls
@@ -61,7 +62,7 @@ class grounded_contacts {
   void sweep_watched(plain_vector<Contact>& contacts, solver_state& s, Note& note) const {
     each<false>(0, groups_.size(), [&](const group& g) {
       for (int k = 0; k < most_visits; ++k)
-        if (there_and_back(g, contacts, s) <= negligible * s.speed) break;
+        if (there_and_back(g, negligible * s.speed, contacts, s) <= negligible * s.speed) break;
       for (std::uint32_t k = g.first; k < g.last; ++k)
         note(members_[k], solve(members_[k], contacts, s));
     });
@@ -85,6 +86,7 @@ class grounded_contacts {
   static constexpr std::uint32_t none = ~std::uint32_t{0};
   static constexpr int visits = 8, most_visits = 64;
   static constexpr real part_left = 0.1;           ///< of the changes of the first sweep
+  static constexpr real converged = 1e-8;          ///< part of solver_state::speed
   static constexpr real negligible = 1e-9;         ///< part of solver_state::speed
   static constexpr std::uint32_t most_alike = 32;  ///< runs among which those with one normal are
   static constexpr real one_normal = 1e-6;         ///< 1 - cosine of normals that are nearly one
@@ -158,10 +160,15 @@ class grounded_contacts {
     c.apply(s, d);
     return c.speed_of(d);
   }
-  /// Returns the largest change on the way back.
-  real there_and_back(const group& g, plain_vector<Contact>& contacts, solver_state& s) const {
-    for (std::uint32_t k = g.first; k < g.last; ++k) (void)solve(members_[k], contacts, s);
+  /// Returns the largest change on the way back, or on the way there if none exceeds `small`, which
+  /// needs no way back.
+  real there_and_back(const group& g, real small, plain_vector<Contact>& contacts,
+                      solver_state& s) const {
     real most = 0;
+    for (std::uint32_t k = g.first; k < g.last; ++k)
+      most = std::max(most, solve(members_[k], contacts, s));
+    if (most <= small) return most;
+    most = 0;
     for (std::uint32_t k = g.last - 1; k-- > g.first;)
       most = std::max(most, solve(members_[k], contacts, s));
     return most;
