@@ -136,7 +136,7 @@ function draw_plots(parent, run) {
     if (v.kinetic_energy !== undefined && v.potential_energy !== undefined) {
       // Without the energy of springs in contacts the sum of the two is not what a run conserves.
       const sum = v.kinetic_energy + v.potential_energy, elastic = v.energy_elastic;
-      v[elastic === undefined && run.about.soft ? "energy_of_motion" : "total_energy"] = sum + (elastic || 0);
+      v[elastic === undefined && run.about.soft !== false ? "energy_of_motion" : "total_energy"] = sum + (elastic || 0);
     }
   const known = new Set([...figures.flatMap((f) => Object.keys(f.names)), "momentum_x", "momentum_y", "momentum_z",
     "energy_initial", "energy_changes"]);

@@ -102,6 +102,7 @@ function talus_view() {
     stage.show(frame, next, part);
     move_camera();
     if (new_frame || state.recolour) colour_bodies(), (state.recolour = false);
+    if (state.listed !== run.table.length) (state.listed = run.table.length), show_legend(); // bodies may come later
     if (new_frame || state.relink) show_lines(), (state.relink = false);
     stage.look({ walls: +$("walls").value, ghost: $("ghost").checked || $("contacts").checked });
     if (!new_frame) return;

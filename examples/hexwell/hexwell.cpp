@@ -60,7 +60,10 @@ int main(int argc, char** argv) {
       if (place.index % 2 == 0) return falling(sphere{random.uniform(0.6, 1.1)});
       return falling(box{random.uniform(vec3(0.8, 0.8, 0.8), vec3(1.3, 1.3, 1.3))});
     });
-    take_pictures(world, options, {.from = {0, -2.3 * R, 2.7 * R}, .at = {0, -0.05 * R, 0}});
+    take_pictures(world, options,
+                  {.from = {0, -2.3 * R, 2.7 * R},
+                   .at = {0, -0.05 * R, 0},
+                   .colour = picture::colouring::rank});
     world.simulate({.steps = options.steps, .dt = options.dt});
   });
 }

@@ -41,6 +41,6 @@ def open(path):
         return Series(path)
     if first.lstrip().startswith(b"{"):
         return results(path)
-    if first.startswith((b"step", b"id,", b"id_a,")):
+    if first.startswith((b"step", b"id,shape,position_x", b"id_a,id_b,shape_a")):
         return Table(path)
     raise Error(f"{path} is nothing that talus writes: neither an output nor a checkpoint, results or a table")

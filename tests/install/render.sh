@@ -64,6 +64,7 @@ refused 'folder.gif is not a file' pictures --movie folder.gif
 "$root/dev" render pictures --movie a.gif --rate 10 2>said
 grep -qx 'dev: 4 pictures in a.gif, 10 a second' said || fail "no film"
 grep -q -- '-delay 1x10 -loop 0 pictures/frame_00000.png pictures/frame_00001.png' a.gif || fail "not these pictures: $(cat a.gif)"
+refused 'a.gif is there already: name another file, or add --force' pictures --movie a.gif
 cat >bin/ffmpeg <<'END'
 #!/usr/bin/env bash
 { echo "by ffmpeg: $*"; cat; } >"${@: -1}"

@@ -223,7 +223,7 @@ TEST_CASE("packings that cannot be written are refused alike on all ranks") {
     };
     refused += refusal(file.name) == "the packing " + file.name +
                                          " is there already and is not a packing of talus: name "
-                                         "another file, remove this one";
+                                         "another file or remove this one";
     refused += refusal("/tmp").starts_with("the packing /tmp is ");
     refused += refusal("/no such folder/heap.csv").starts_with("the packing /no such folder/");
   });

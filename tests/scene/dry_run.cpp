@@ -120,7 +120,7 @@ TEST_CASE("the contacts at rest of a dry run are those of the run within 1.5 tim
           CHECK(early.contacts_at_rest() > late.contacts_at_rest() / 1.5);
         }
         const std::string text = detail::to_text(late, "grains");
-        CHECK(text.find("and no longer more") != text.npos);
+        CHECK(text.find("and their number no longer grows") != text.npos);
         CHECK(detail::to_text(early, "grains").find(" at rest; ") != text.npos);
       });
 }

@@ -94,6 +94,17 @@ struct reader {
 
 }  // namespace
 
+TEST_CASE("a call of simulate() that ends early leaves later ones their frames") {
+  const scratch file;
+  (void)make_page(file("page.html"), [](auto& w) {
+    w.simulate({.steps = 100000, .dt = 0.001, .stop_when = [&] { return w.steps() >= 10; }});
+    w.simulate({.steps = 400, .dt = 0.001});
+  });
+  const reader page(file("page.html"));
+  CHECK(page.steps.size() >= 150);
+  CHECK(page.steps.size() <= 301);
+}
+
 TEST_CASE("a run in many calls of simulate() has 150 to 300 frames at equal distances") {
   const scratch file;
   for (const char* ranks : {"1", "3"}) {

@@ -179,7 +179,7 @@ struct contact_forces final {
   using talus_part_of = roles::features;
   using columns = type_list<columns::contact_force, columns::contact_torque>;
 };
-/// Bodies keep the force and torque of their contacts, split into springs, dashpots and friction.
+/// Bodies keep the force and torque of their contacts, split into springs and dashpots.
 /// Not for users: the energy ledger of soft contacts requires it.
 struct split_contact_forces final {
   using talus_inside = void;

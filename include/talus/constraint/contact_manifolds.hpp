@@ -1,6 +1,6 @@
 #pragma once
 // All manifolds of a list of contacts: eight at a time, or one by one if they have many contacts;
-// those of a body on several bodies that cannot move together.
+// those of a body on what cannot move together if they are many.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -44,7 +44,8 @@ struct output_target {
 /// replaced.
 [[nodiscard, gnu::cold]] bool is_stream(const std::string& path);
 
-[[nodiscard, gnu::cold]] std::string objection_to_link(const std::string& path, bool force);
+[[nodiscard, gnu::cold]] std::string objection_to_link(const std::string& path,
+                                                       const output_kind& kind, bool force);
 [[nodiscard, gnu::cold]] output_target inspect_regular(const std::string& path,
                                                        const output_kind& kind, bool force);
 /// Checks the path of an output. With `force` it may replace other regular files and symbolic

@@ -2,8 +2,6 @@
 // The definitions of output_file.hpp, in the compiled part or in each program.
 #include <sys/resource.h>
 
-#include <algorithm>
-
 #include "talus/core/linkage.hpp"
 #include "talus/core/output_file.hpp"
 
@@ -18,15 +16,15 @@ TALUS_INLINE bool is_stream(const std::string& path) {
   return ::stat(path.c_str(), &found) == 0 && S_ISFIFO(found.st_mode);
 }
 
-TALUS_INLINE std::string objection_to_link(const std::string& path, bool force) {
+TALUS_INLINE std::string objection_to_link(const std::string& path, const output_kind& kind,
+                                           bool force) {
   if (force) return {};
   std::string to(4096, '\0');
   const ssize_t length = ::readlink(path.c_str(), to.data(), to.size());
   to.resize(length > 0 ? static_cast<std::size_t>(length) : 0);
   return compose(
-      "is a symbolic link to {}: name the file itself, or add --force, which replaces the link and "
-      "leaves what it leads to",
-      to);
+      "is a symbolic link to {}: name the file itself{}", to,
+      kind.forced ? ", or add --force, which replaces the link and leaves what it leads to" : "");
 }
 
 TALUS_INLINE output_target inspect_regular(const std::string& path, const output_kind& kind,
@@ -43,25 +41,20 @@ TALUS_INLINE output_target inspect_regular(const std::string& path, const output
   }
   if (force) return {};
   if (length < 0)
-    return {.objection = compose("is there already and cannot be read ({}): name another file, or "
-                                 "add --force to replace it",
-                                 system_words(error))};
-  return {.objection = compose("is there already and is not {}: name another file, remove this "
-                               "one, or add --force to replace it",
-                               kind.name)};
+    return {.objection =
+                compose("is there already and cannot be read ({}): name another file{}",
+                        system_words(error), kind.forced ? ", or add --force to replace it" : "")};
+  return {.objection = compose("is there already and is not {}: name another file{}", kind.name,
+                               kind.forced ? ", remove this one, or add --force to replace it"
+                                           : " or remove this one")};
 }
 
 TALUS_INLINE output_target inspect_target(const std::string& path, const output_kind& kind,
                                           bool force) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0) return {};  // absent, or opening it will fail
-  const auto spoken = [&](output_target target) {
-    std::string& words = target.objection;
-    if (!kind.forced) words.resize(std::min(words.size(), words.find(", or add --force")));
-    return target;
-  };
-  if (S_ISREG(found.st_mode)) return spoken(inspect_regular(path, kind, force));
-  if (S_ISLNK(found.st_mode)) return spoken({.objection = objection_to_link(path, force)});
+  if (S_ISREG(found.st_mode)) return inspect_regular(path, kind, force);
+  if (S_ISLNK(found.st_mode)) return {.objection = objection_to_link(path, kind, force)};
   if (S_ISDIR(found.st_mode)) return {.objection = "is a folder: name a file in it"};
   return {.objection =
               "is a device, a pipe or a socket, which this output must not replace: name "

@@ -29,8 +29,8 @@ template <class Scenario>
   if (id == no_id) return {};
   constexpr real infinity = std::numeric_limits<real>::infinity();
   std::array<double, 3> centre{-infinity, -infinity, -infinity};
-  w.for_each_local([&](const auto& b) {
-    if (b.id() == id)
+  w.for_each_known([&](const auto& b) {
+    if (b.id() == id && !b.is_remote())
       for (int k = 0; k < 3; ++k) centre[static_cast<std::size_t>(k)] = b.position()[k];
   });
   w.link().reduce(reduction::max, centre);
@@ -236,7 +236,7 @@ class povray_scene {
 }  // namespace detail
 
 /// Collective: writes the present state to one scene file. Owners draw their bodies; global bodies
-/// are grey. Throws runtime_error if the file cannot be written, or if an existing file is not a
+/// without a colour of their material are grey. Throws runtime_error if the file cannot be written, or if an existing file is not a
 /// picture.
 template <class Scenario>
 void write_povray(world<Scenario>& w, const std::string& file, const picture& look) {

@@ -6,7 +6,9 @@
 namespace talus {
 
 /// Collective: the residual of the last step, regardless of later changes of bodies and
-/// connections; it is also recorded in world::convergence(). Changes nothing else.
+/// connections; of soft contacts that of the present state. It is also recorded in
+/// world::convergence(), except of soft contacts with `residual_monitor`, which records that of the
+/// step. Changes nothing else.
 template <class Scenario>
 contact_residual measure_residual(world<Scenario>& w) {
   w.require_all_ranks("measure_residual");

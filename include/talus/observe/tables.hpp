@@ -45,8 +45,8 @@ class data_table {
   /// A column of names. Throws likewise.
   [[nodiscard]] const std::vector<std::string_view>& words(std::string_view name) const;
   /// Writes the table as comma-separated values, the names of the columns with their units first.
-  /// Replaces only a file that is such a table. Other ranks than 0 write nothing. Throws
-  /// runtime_error if it cannot be written.
+  /// Replaces only a file that is such a table. Throws runtime_error if it cannot be written, on
+  /// rank 0 alone: other ranks write nothing.
   void write_csv(const std::string& file) const;
 
  private:

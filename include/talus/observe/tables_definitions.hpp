@@ -11,9 +11,12 @@ namespace talus {
 namespace detail {
 
 inline constexpr output_kind row_file_output{
-    "a table of bodies or contacts", [](std::string_view head) {
-      return head.starts_with("id,shape,") || head.starts_with("id_a,id_b,");
-    }};
+    "a table of bodies or contacts",
+    [](std::string_view head) {
+      return head.starts_with("id,shape,position_x") ||
+             head.starts_with("id_a,id_b,shape_a,shape_b,feature,point_x");
+    },
+    false};
 
 /// Adds columns of numbers, the values `from` and following of each row.
 template <class Rows>

@@ -40,7 +40,6 @@ struct trial_part {
   std::uint64_t steps = 0;
   double seconds = 0;          ///< of wall time, on the slowest rank
   std::uint64_t contacts = 0;  ///< after them, on all ranks
-  [[nodiscard]] double per_step() const { return seconds / static_cast<double>(steps); }
 };
 
 /// What a run will need.
@@ -52,7 +51,8 @@ struct run_estimate {
   double process_bytes_max = 0;  ///< that the largest process has had, with programs and libraries
   std::uint64_t first_step = 0, steps = 0;  ///< to be made by this call of simulate()
   std::string pair_rules;                   ///< in words; empty: of one material
-  bool gravity = false;                     ///< bodies come to rest on each other
+  bool gravity = false;
+  bool falls = false;        ///< bodies can move, and come to rest on each other
   double steps_of_fall = 0;  ///< in which the body at the top falls to the bottom and comes to rest
   std::vector<trial_part> trial;  ///< in the order of time, without the first step, which allocates
 
@@ -96,8 +96,9 @@ template <class Scenario>
   e.bodies_max = static_cast<std::uint64_t>(largest[0]);
   // Bodies that have reached the bottom take half as long again to come to rest.
   const real dt = state_of(w).dt;
-  e.gravity = size > 0 && e.movable > 0;
-  if (e.gravity && dt > 0)
+  e.gravity = size > 0;
+  e.falls = e.gravity && e.movable > 0;
+  if (e.falls && dt > 0)
     e.steps_of_fall = 1.5 * std::sqrt(2 * (largest[1] + largest[2]) / size) / dt;
 }
 
@@ -125,7 +126,7 @@ template <class Scenario>
     made += now;
     e.trial.push_back({now, seconds, contacts});
     const double passed = e.trial_seconds();
-    if (passed > longest || (passed > long_enough && (!e.gravity || e.settled()))) break;
+    if (passed > longest || (passed > long_enough && (!e.falls || e.settled()))) break;
     if (made > 1 && seconds < part) batch *= 2;
     if (seconds > 2 * part) batch = std::max<std::uint64_t>(1, batch / 2);
   }

@@ -45,7 +45,7 @@ TALUS_INLINE bool run_estimate::settled() const {
 }
 TALUS_INLINE double run_estimate::contacts_at_rest() const {
   const auto now = static_cast<double>(contacts());
-  if (!gravity || settled()) return now;
+  if (!falls || settled()) return now;
   return std::max(now, contacts_per_body_at_rest * static_cast<double>(movable));
 }
 TALUS_INLINE double run_estimate::bytes_at_rest() const {
@@ -111,11 +111,12 @@ TALUS_INLINE std::string to_text(const run_estimate& e, const std::string& progr
   std::string all = compose("{}: dry run, nothing is written\n", program);
   all += compose("  bodies   {}, of which {} can move; {} on the rank with most of {}\n", e.bodies,
                  e.movable, e.bodies_max, e.ranks);
-  const bool moving = e.gravity && !e.settled();
+  const bool moving = e.falls && !e.settled();
   all += compose("  contacts {} after the trial, ", e.contacts());
   all += moving      ? compose("about {} when the bodies rest on each other\n",
                                static_cast<std::uint64_t>(e.contacts_at_rest()))
-         : e.gravity ? "and no longer more\n"
+         : e.falls   ? "and their number no longer grows\n"
+         : e.gravity ? "and as many later: no body can move yet\n"
                      : "and as many later: there is no gravity\n";
   if (!e.pair_rules.empty()) all += compose("           {}\n", e.pair_rules);
   all += compose(

@@ -72,7 +72,8 @@ void take_pictures(world<Scenario>& w, const options& options, picture look = {}
           detail::compose("--frames {} replaces pictures of an earlier run\n", options.frames),
           options.quiet);
   }
-  // The camera stays where the body was that it followed.
+  // The camera stays where the body was that it followed, and at the view itself after a restart
+  // without that body.
   const auto centre = std::make_shared<vec3>(0, 0, 0);
   const auto take = [&w, look, centre, folder = options.frames](std::uint64_t number) {
     picture now = look;

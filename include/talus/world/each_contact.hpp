@@ -39,6 +39,18 @@ struct loaded_contact {
 
 namespace detail {
 
+/// The position of a body as its owner has it. That of a shadow copy may be an image.
+template <class State, class Store>
+[[nodiscard]] vec3 position_of_owner(const State& s, const Store& store, std::size_t i,
+                                     bool global) {
+  if constexpr (State::periodic && Store::shape_type::finite)
+    if (!global)
+      if (const auto* copy = copy_of<typename Store::shape_type>(s, i);
+          copy != nullptr && copy->image != 0)
+        return copy->home;
+  return (void)s, (void)global, store.position[i];
+}
+
 /// Fills in the data of the contact's bodies, and whether b has a centre; false if one of them no
 /// longer exists.
 template <class Scenario>
@@ -48,7 +60,7 @@ template <class Scenario>
     return places.visit(id, [&](const auto& store, std::size_t i, bool global) {
       bounded = std::remove_cvref_t<decltype(store)>::shape_type::finite;
       images = !global;
-      centre = store.position[i];
+      centre = position_of_owner(places.state(), store, i, global);
       moves = !global && !store.fixed(i);
       owned = !global && i < store.locals;
     });
@@ -97,20 +109,21 @@ class pair_points {
   void find(system_id a, system_id b) {
     a_ = a, b_ = b;
     points_.clear();
-    places_.visit(a, [&](const auto& one, std::size_t i, bool) {
+    places_.visit(a, [&](const auto& one, std::size_t i, bool global_a) {
       using A = typename std::remove_cvref_t<decltype(one)>::shape_type;
       if constexpr (A::finite) {
-        centre_ = one.position[i];
+        centre_ = position_of_owner(s_, one, i, global_a);
         radius_ = one.shape[i].bounding_radius();
         places_.visit(b, [&](const auto& other, std::size_t j, bool global) {
           using B = typename std::remove_cvref_t<decltype(other)>::shape_type;
-          if constexpr (collidable<A, B>)
+          if constexpr (collidable<A, B>) {
+            const vec3 place = position_of_owner(s_, other, j, global);
             collide_pair(
-                one.shape[i], one.pose(i), other.shape[j],
-                {global ? other.position[j] : seen_from(s_, one.position[i], other.position[j]),
-                 other.pose(j).orientation},
+                one.shape[i], {centre_, one.pose(i).orientation}, other.shape[j],
+                {global ? place : seen_from(s_, centre_, place), other.pose(j).orientation},
                 way_of_surface(one, i, s_.dt) + way_of_surface(other, j, s_.dt),
                 [&](const contact_geometry& g) { points_.push_back(g); });
+          }
         });
       }
     });

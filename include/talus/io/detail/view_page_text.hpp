@@ -1295,7 +1295,7 @@ function draw_plots(parent, run) {
     if (v.kinetic_energy !== undefined && v.potential_energy !== undefined) {
       // Without the energy of springs in contacts the sum of the two is not what a run conserves.
       const sum = v.kinetic_energy + v.potential_energy, elastic = v.energy_elastic;
-      v[elastic === undefined && run.about.soft ? "energy_of_motion" : "total_energy"] = sum + (elastic || 0);
+      v[elastic === undefined && run.about.soft !== false ? "energy_of_motion" : "total_energy"] = sum + (elastic || 0);
     }
   const known = new Set([...figures.flatMap((f) => Object.keys(f.names)), "momentum_x", "momentum_y", "momentum_z",
     "energy_initial", "energy_changes"]);
@@ -1367,8 +1367,8 @@ function talus_view() {
   };
   const mode = () => colour_modes[state.mode];
   function colour_bodies() {
-    const f = state.frame, m = mode)page",
-    R"page((), flags = run.table.flags, rows = f.rows, n = f.count;
+    const f = state.frame)page",
+    R"page(, m = mode(), flags = run.table.flags, rows = f.rows, n = f.count;
     if (colours.length < 4 * n) colours = new Uint8Array(8 * n);
     const to = new Uint32Array(colours.buffer), word = ([r, g, b]) => (255 << 24) | (b << 16) | (g << 8) | r;
     const wall = word(grey_of_wall), picked = word([255, 40, 220]);
@@ -1447,6 +1447,7 @@ function talus_view() {
     stage.show(frame, next, part);
     move_camera();
     if (new_frame || state.recolour) colour_bodies(), (state.recolour = false);
+    if (state.listed !== run.table.length) (state.listed = run.table.length), show_legend(); // bodies may come later
     if (new_frame || state.relink) show_lines(), (state.relink = false);
     stage.look({ walls: +$("walls").value, ghost: $("ghost").checked || $("contacts").checked });
     if (!new_frame) return;
@@ -1595,13 +1596,13 @@ function talus_view() {
     const c = $("canvas"), at = new THREE.Vector3((2 * x) / c.clientWidth - 1, 1 - (2 * y) / c.clientHeight, 0.5);
     control.apply(); // the view may have changed since the last picture
     const from = stage.camera.position, way = at.unproject(stage.camera).sub(from).normalize();
-    const i = body_on_ray(state.frame, run.forms, from, way, +$("walls").value > 0);
+    const i = body_on_ray(state.frame, run.forms, from, way, +$("walls"))page",
+    R"page(.value > 0);
     state.picked = i < 0 ? null : state.frame.rows[i];
     show_body(), again("recolour")();
     return i;
   }
-  fu)page",
-    R"page(nction toggle() {
+  function toggle() {
     if (state.playing) return stop();
     if (state.at >= run.heads.length - 1) state.at = 0, require(0);
     state.playing = true, ($("play").innerHTML = "&#10074;&#10074;"), (state.clock = performance.now());

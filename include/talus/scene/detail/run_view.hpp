@@ -45,9 +45,11 @@ class run_view {
   }
   /// Collective, at the start of each simulate() of so many steps more.
   [[gnu::cold]] void begin(std::uint64_t steps) {
-    if (every_ == 0) {
+    if (by_itself_ && steps > 0) {
+      // A call before may have ended early.
       const std::uint64_t frames = count_usual_frames();
-      every_ = std::max<std::uint64_t>(1, (steps + frames - 1) / frames);
+      const std::uint64_t own = std::max<std::uint64_t>(1, (steps + frames - 1) / frames);
+      every_ = every_ == 0 ? own : std::min(every_, own);
     }
     if (!begun_) add();
     begun_ = true;
@@ -108,13 +110,13 @@ class run_view {
     frame.head.add_raw("gravity", view_json::vector(g));
     if (!frame.warning.empty())
       say_in_run(compose("{}: warning: --view: step {}: {}\n", name_, w_.steps(), frame.warning));
-    page_->add(frame, w_.steps(), describe(view_json{}));
+    page_->add(frame, w_.steps(), page_->frames() == 0 ? describe(view_json{}) : std::string());
   }
   /// What the page says of the run: also materials, and the view of the program.
   [[nodiscard, gnu::cold]] std::string describe(view_json about) {
     about.add_text("name", name_);
     about.add_text("policies", policies_in_use(view_of(w_)));
-    if constexpr (Scenario::contact_law::soft) about.add_raw("soft", "true");
+    about.add_raw("soft", Scenario::contact_law::soft ? "true" : "false");
     const material_table& materials = view_of(w_).materials;
     about.add_raw("materials", view_materials(materials));
     if (!colour_.empty()) about.add_text("colour", colour_);
