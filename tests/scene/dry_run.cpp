@@ -40,7 +40,7 @@ detail::run_estimate falling() {
   detail::run_estimate e;
   e.bodies = e.movable = 1000;
   e.steps = 10000;
-  e.gravity = true;
+  e.gravity = e.falls = true;
   e.steps_of_fall = 2000;
   return e;
 }
@@ -87,7 +87,7 @@ TEST_CASE("a dry run whose contacts no longer grow keeps them, and without gravi
   e.first_step = 1500;  // a restart: they are
   CHECK(e.settled());
   detail::run_estimate gas = falling();
-  gas.gravity = false;
+  gas.gravity = gas.falls = false;
   gas.trial.push_back(part_of(100, 20, 20));
   CHECK(gas.contacts_at_rest() == 20);
   CHECK(gas.seconds() == doctest::Approx(10000 * gas.step_at_end()));

@@ -12,6 +12,7 @@
 #include <talus/observe/force.hpp>
 #include <talus/observe/loads.hpp>
 #include <talus/parallel/grid.hpp>
+#include <talus/parallel/periodic.hpp>
 #include <talus/parallel/threads.hpp>
 #include <talus/shape/box.hpp>
 #include <talus/solver/coloured_gauss_seidel.hpp>
@@ -292,20 +293,23 @@ TEST_CASE("points of contacts across a periodic boundary are those of the owner 
   std::vector<std::vector<double>> first;
   for (const int ranks : {1, 2, 4})
     threads::launch({.ranks = ranks}, [&](threads::link& link) {
-      world<endless> w(link, {.lower = {-4}, .upper = {4}});
+      world<endless> w(link, {{.cells = {ranks}, .lower = {-4}, .upper = {4}}}, reach{1});
+      w.material({.restitution = 0, .friction = 0.5});
       w.gravity({10, 0, 0});
       w.add_if_local(body{.shape = sphere{0.5}, .position = {-3.81, 0, 0}, .fixed = true});
       w.add_if_local(body{.shape = sphere{0.5}, .position = {3.2, 0.1, 0}});
       for (int k = 0; k < 6; ++k) w.step(0.005);
       const auto table = contact_table(w);
-      const auto loads = contact_forces(w, {detail::id_of_attempt(0), detail::id_of_attempt(1)});
+      const std::vector<system_id> both{detail::id_of_attempt(0), detail::id_of_attempt(1)};
+      const auto loads = contact_forces(w, both);
       if (w.rank() != 0) return;
       REQUIRE(table.rows() == 1);
       std::vector<std::vector<double>> now;
       for (const char* name : {"point_x", "point_y", "gap", "force_x"})
         now.push_back(table.numbers(name));
       for (const auto& load : loads)
-        for (int k = 0; k < 3; ++k) now.push_back({load.force[k], load.torque[k]});
+        for (int k = 0; k < 3; ++k)
+          now.push_back(std::vector<double>{load.force[k], load.torque[k]});
       CHECK(now[3][0] != 0);
       if (ranks == 1) first = now;
       CHECK(now == first);

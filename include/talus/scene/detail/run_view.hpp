@@ -45,12 +45,13 @@ class run_view {
   }
   /// Collective, at the start of each simulate() of so many steps more.
   [[gnu::cold]] void begin(std::uint64_t steps) {
-    if (by_itself_ && steps > 0) {
-      // A call before may have ended early.
+    // The interval is that of the first call, and of one after a call that has ended early.
+    if (by_itself_ && steps > 0 && (every_ == 0 || w_.steps() < planned_end_)) {
       const std::uint64_t frames = count_usual_frames();
       const std::uint64_t own = std::max<std::uint64_t>(1, (steps + frames - 1) / frames);
       every_ = every_ == 0 ? own : std::min(every_, own);
     }
+    planned_end_ = w_.steps() + steps;
     if (!begun_) add();
     begun_ = true;
   }
@@ -148,6 +149,7 @@ class run_view {
   std::string colour_;                      ///< of bodies at the beginning; empty: as usual
   plain_vector<std::uint64_t> steps_;       ///< of the frames
   std::uint64_t last_ = ~std::uint64_t{0};  ///< step of the last frame
+  std::uint64_t planned_end_ = 0;           ///< of the present call of simulate()
   bool begun_ = false;
   view_writer writer_;
   view_frames frames_;
