@@ -94,9 +94,8 @@ real error_of(const Shape& shape, slats kind, real width, real dt, real angle, c
 
 /// `shape` is 0.06 high.
 template <class Scene, class Slat, class Shape>
-void check_slats(const Shape& shape, const std::vector<real>& widths = {0.025, 0.01},
-                 const std::vector<slats>& kinds = {slats::fixed, slats::global, slats::in_turn}) {
-  for (const slats kind : kinds)
+void check_slats(const Shape& shape, const std::vector<real>& widths = {0.025, 0.01}) {
+  for (const slats kind : {slats::fixed, slats::global, slats::in_turn})
     for (const real width : widths)
       for (const real dt : {1.0 / 60, 1.0 / 240, 1.0 / 1000})
         for (const real angle : {real(0), real(0.3), pi / 4})
@@ -107,7 +106,7 @@ void check_slats(const Shape& shape, const std::vector<real>& widths = {0.025, 0
             CAPTURE(angle);
             CAPTURE(v[0]);
             // Contacts with global and with fixed bodies are in two lists.
-            const real most = kind == slats::in_turn ? 1e-5 : 1e-6;
+            const real most = kind == slats::in_turn && dt > 0.01 ? 5e-6 : 1e-6;
             CHECK(error_of<Scene, Slat>(shape, kind, width, dt, angle, v) < most);
           }
 }
@@ -156,13 +155,12 @@ TEST_CASE_TEMPLATE("so do a standing cylinder and an octagonal prism on slats an
                    Scene, scene_with<transport<serial>>,
                    scene_with<transport<serial>, solver<reproducible>>) {
   const std::vector<real> widths{10, 0.1, 0.025, 0.01};
-  const std::vector<slats> kinds{slats::fixed, slats::global};
-  check_slats<Scene, box>(cylinder{0.04, 0.06}, widths, kinds);
+  check_slats<Scene, box>(cylinder{0.04, 0.06}, widths);
   std::vector<vec3> corners;
   for (int k = 0; k < 16; ++k)
     corners.push_back(
         {0.04 * std::cos(0.25 * pi * k), 0.04 * std::sin(0.25 * pi * k), k < 8 ? -0.03 : 0.03});
-  check_slats<Scene, box>(convex_polyhedron(corners), widths, kinds);
+  check_slats<Scene, box>(convex_polyhedron(corners), widths);
 }
 
 TEST_CASE("so does a hull on slats that are hulls") {

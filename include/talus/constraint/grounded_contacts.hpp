@@ -57,14 +57,22 @@ class grounded_contacts {
     });
   }
   /// Until nothing of relevance changes, because it may be the only sweep of its step; then calls
-  /// note(index, change of velocity) for all contacts.
+  /// note(index, change of velocity) for all contacts. The first of a body also has the change of
+  /// the body's velocity in all of these visits, which its contacts in other lists do not have yet.
   template <class Note>
   void sweep_watched(plain_vector<Contact>& contacts, solver_state& s, Note& note) const {
     each<false>(0, groups_.size(), [&](const group& g) {
+      const auto& b = s.bodies[static_cast<std::size_t>(g.body)];
+      const vec3 v = b.v, w = b.w;
       for (int k = 0; k < most_visits; ++k)
         if (there_and_back(g, negligible * s.speed, contacts, s) <= negligible * s.speed) break;
-      for (std::uint32_t k = g.first; k < g.last; ++k)
-        note(members_[k], solve(members_[k], contacts, s));
+      const Contact& one = contacts[members_[g.first]];
+      const real arm = (one.a == g.body ? one.arm_a : one.arm_b).norm();
+      real change = (b.v - v).norm() + arm * (b.w - w).norm();
+      for (std::uint32_t k = g.first; k < g.last; ++k) {
+        note(members_[k], std::max(change, solve(members_[k], contacts, s)));
+        change = 0;
+      }
     });
   }
   void correct(std::size_t first, std::size_t last, plain_vector<Contact>& contacts,
