@@ -67,7 +67,8 @@ grep -q -- '-delay 1x10 -loop 0 pictures/frame_00000.png pictures/frame_00001.pn
 refused 'a.gif is there already: name another file, or add --force' pictures --movie a.gif
 cat >bin/ffmpeg <<'END'
 #!/usr/bin/env bash
-{ echo "by ffmpeg: $*"; cat; } >"${@: -1}"
+file=${@: -1}
+{ echo "by ffmpeg: $*"; cat; } >"${file#file:}"
 END
 chmod +x bin/ffmpeg
 "$root/dev" render pictures --movie b.mp4 2>said
