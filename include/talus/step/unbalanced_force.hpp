@@ -82,14 +82,15 @@ template <class Scenario>
   const id_table places(loads, [](const load& l) { return l.id; });
   const auto add = [&](system_id id, const vec3& force) {
     const auto at = places.find(id);
-    if (at == id_table::unknown) return;
+    if (at == id_table::unknown) return false;
     loads[at].touches = true;
     loads[at].force += force;
+    return true;
   };
   observe_forces(s, [&](const contact_key& key, const vec3& force, bool on_a, bool on_b) {
     if (world_state<Scenario>::law::law::reaches && force == vec3(0, 0, 0)) return;
-    if (on_a) add(key.a, force);
-    if (on_b) add(key.b, -force);
+    const bool own_a = on_a && add(key.a, force), own_b = on_b && add(key.b, -force);
+    if (!own_a && !own_b) return;  // a shadow copy on what cannot move, which its owner counts
     const double part = 0.5 * (on_a + on_b);  // each of its two ranks counts a half
     u.sums[2] += part * force.squaredNorm();
     u.sums[3] += part;
