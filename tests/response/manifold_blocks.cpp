@@ -138,7 +138,7 @@ void check(problem& p, manifold_row<contact_of<Paired>>& row) {
   });
   compare();
   CHECK(noted == changed);
-  CHECK(noted > row.size() / 10);
+  CHECK(noted > row.size() / 12);
   for (std::size_t i = 0; i < all.size(); ++i) all.edit(i, [&](auto& c) { c = plain.contacts[i]; });
   for (int k = 0; k < 3; ++k) row.correct(one), all.correct(other);
   compare();
