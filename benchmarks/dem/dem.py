@@ -10,6 +10,8 @@ import statistics
 import subprocess
 import sys
 
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+import beside  # noqa: E402
 import liggghts
 import lammps
 import yade
@@ -45,52 +47,30 @@ def main():
         row["fastest_turn"] = max(map(rate, turns))
         row["turns"] = options.turns
         rows.append(row)
-    text = "[\n" + ",\n".join(json.dumps(row, indent=2) for row in rows) + "\n]\n"
-    if options.json:
-        with open(options.json, "w") as file:
-            file.write(text)
-    else:
-        print(text, end="")
+    beside.write_rows(rows, options.json, indent=2)
     table(rows)
 
 
 def parse():
     parser = argparse.ArgumentParser(prog="./dev bench dem", allow_abbrev=False)
     parser.add_argument("build", help="folder of the benchmark programs (./dev fills it in)")
-    parser.add_argument("--bodies", type=positive, default=8000)
-    parser.add_argument("--rivals", type=rivals, default=[], help=",".join(RIVALS))
-    parser.add_argument("--json", default="", help="file for the rows")
-    parser.add_argument("--steps", type=positive, default=500, help="that are measured")
-    parser.add_argument("--turns", type=positive, default=3, help="of which the median counts")
+    parser.add_argument("--bodies", type=beside.positive, default=8000)
+    parser.add_argument("--rivals", type=beside.rivals("dem", RIVALS), default=[], help=",".join(RIVALS))
+    parser.add_argument("--json", type=beside.file_for_rows, default="", help="file for the rows")
+    parser.add_argument("--steps", type=beside.positive, default=500, help="that are measured")
+    parser.add_argument("--turns", type=beside.positive, default=3, help="of which the median counts")
     parser.add_argument("--ranks", type=rank_counts, default=[1], help="of talus, such as 1,2")
-    parser.add_argument("--settle", type=positive, default=SETTLE, help="steps before the first turn")
+    parser.add_argument("--settle", type=beside.positive, default=SETTLE, help="steps before the first turn")
     parser.add_argument("--quick", action="store_true", help="500 bodies, 1 turn of 50 steps")
     options = parser.parse_args()
     if options.quick:
         options.bodies, options.steps, options.turns, options.settle = 500, 50, 1, 2000
-    if options.json and not os.path.isdir(os.path.dirname(os.path.abspath(options.json))):
-        parser.error(f"there is no folder for --json {options.json}")
     options.build = os.path.abspath(options.build)
     return options
 
 
-def positive(text):
-    if not text.isdigit() or int(text) == 0:
-        raise argparse.ArgumentTypeError(f"needs a whole number from 1, not '{text}'")
-    return int(text)
-
-
 def rank_counts(text):
-    return [positive(word) for word in text.split(",")]
-
-
-def rivals(text):
-    names = [word for word in text.split(",") if word]
-    for name in names:
-        if name not in RIVALS:
-            raise argparse.ArgumentTypeError(
-                f"no '{name}' runs 'dem'; its rivals are: {', '.join(RIVALS)}")
-    return names
+    return [beside.positive(word) for word in text.split(",")]
 
 
 def name_of(ranks):

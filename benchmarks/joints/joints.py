@@ -10,6 +10,9 @@ import subprocess
 import sys
 import time
 
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+import beside  # noqa: E402
+
 RIVALS = ["mujoco", "simbody", "dart", "ode", "bullet"]
 ENGINES = ["talus", *RIVALS]
 COLUMNS = ["scene", "engine", "integrator", "dt", "cpu_seconds", "error", "error_is",
@@ -48,27 +51,23 @@ def main():
                 exact[scene] = reference(options, scene)
             row["error"] = error_of(row, exact[scene])
             found.append({name: row[name] for name in COLUMNS})
-    text = "[\n" + ",\n".join(json.dumps(row) for row in found) + "\n]\n"
+    beside.write_rows(found, options.json)
     if options.json:
-        with open(options.json, "w") as file:
-            file.write(text)
         stem = os.path.splitext(os.path.abspath(options.json))[0]
         plot(found, stem)
         with open(stem + ".md", "w") as file:
             file.write(page(found, options, os.path.basename(stem)))
-    else:
-        print(text, end="")
     table(found)
 
 
 def parse():
     parser = argparse.ArgumentParser(prog="./dev bench joints", allow_abbrev=False)
     parser.add_argument("build", help="folder of the benchmark programs (./dev fills it in)")
-    parser.add_argument("--rivals", type=rivals, default=[], help=",".join(RIVALS))
+    parser.add_argument("--rivals", type=beside.rivals("joints", RIVALS), default=[], help=",".join(RIVALS))
     parser.add_argument("--scenes", type=lambda text: text.split(","), default=[],
                         help="only scenes whose names begin so, such as A01,chain")
-    parser.add_argument("--json", default="", help="file for the rows; plots and a page of tables go beside it")
-    parser.add_argument("--turns", type=int, default=3, help="of which the median counts")
+    parser.add_argument("--json", type=beside.file_for_rows, default="", help="file for the rows; plots and a page of tables go beside it")
+    parser.add_argument("--turns", type=beside.positive, default=3, help="of which the median counts")
     parser.add_argument("--quick", action="store_true",
                         help="one turn, large steps; ends within five minutes")
     parser.add_argument("--within", type=float, default=0, metavar="SECONDS",
@@ -77,22 +76,9 @@ def parse():
     if options.within < 0:
         parser.error(f"--within needs seconds, not {options.within:g}")
     options.build = os.path.abspath(options.build)
-    if options.turns < 1:
-        parser.error(f"--turns needs a whole number from 1, not {options.turns}")
     if options.quick:
         options.turns, options.within = 1, options.within or 200
-    if options.json and not os.path.isdir(os.path.dirname(os.path.abspath(options.json))):
-        parser.error(f"there is no folder for --json {options.json}")
     return options
-
-
-def rivals(text):
-    names = [word for word in text.split(",") if word]
-    for name in names:
-        if name not in RIVALS:
-            raise argparse.ArgumentTypeError(
-                f"no '{name}' runs 'joints'; its rivals are: {', '.join(RIVALS)}")
-    return names
 
 
 def program(options, name):
@@ -208,12 +194,9 @@ def page(rows, options, stem):
 
 def plot(rows, stem):
     """A picture for each scene, STEM_SCENE.png, if there is matplotlib."""
-    try:
-        import matplotlib
-    except ImportError:
+    pyplot = beside.pyplot()
+    if not pyplot:
         return
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
     for scene in sorted({row["scene"] for row in rows}):
         curves = {}
         for row in rows:

@@ -12,6 +12,9 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+import beside  # noqa: E402
+
 RIVALS = ["mujoco", "bullet", "ode", "dart"]
 # The grid of the fit, then the smallest steps of its refinement.
 FRICTIONS = [0.06 + 0.06 * i for i in range(6)]
@@ -42,13 +45,9 @@ def main():
             row["tried"] = sorted([t["friction"], t["restitution"], t["objective"]] for t in tried)
             found.append(row)
             one.close()
-    text = "[\n" + ",\n".join(json.dumps(row) for row in found) + "\n]\n"
+    beside.write_rows(found, options.json)
     if options.json:
-        with open(options.json, "w") as file:
-            file.write(text)
         plot(found, os.path.splitext(options.json)[0] + ".svg")
-    else:
-        print(text, end="")
     show(found)
 
 
@@ -56,30 +55,17 @@ def parse():
     parser = argparse.ArgumentParser(prog="./dev bench tosses", allow_abbrev=False)
     parser.add_argument("build", help="folder of the benchmark programs (./dev fills it in)")
     parser.add_argument("--data", required=True, metavar="FILE", help="table of frames, .csv or .csv.gz")
-    parser.add_argument("--rivals", type=rivals, default=[], help=",".join(RIVALS))
-    parser.add_argument("--json", default="", help="file for the rows; a figure goes beside it")
-    parser.add_argument("--substeps", type=int, default=4, help="time steps between two frames")
-    parser.add_argument("--turns", type=int, default=3, help="of which the median of the CPU time counts")
+    parser.add_argument("--rivals", type=beside.rivals("tosses", RIVALS), default=[], help=",".join(RIVALS))
+    parser.add_argument("--json", type=beside.file_for_rows, default="", help="file for the rows; a figure goes beside it")
+    parser.add_argument("--substeps", type=beside.positive, default=4, help="time steps between two frames")
+    parser.add_argument("--turns", type=beside.positive, default=3, help="of which the median of the CPU time counts")
     parser.add_argument("--quick", action="store_true", help="one step a frame, one turn, no refinement")
     options = parser.parse_args()
-    if options.substeps < 1 or options.turns < 1:
-        parser.error("--substeps and --turns need whole numbers from 1")
     if options.quick:
         options.substeps = options.turns = 1
     if not os.path.isfile(options.data):
         parser.error(f"there is no file --data {options.data}")
-    if options.json and not os.path.isdir(os.path.dirname(os.path.abspath(options.json))):
-        parser.error(f"there is no folder for --json {options.json}")
     return options
-
-
-def rivals(text):
-    names = [word for word in text.split(",") if word]
-    for name in names:
-        if name not in RIVALS:
-            raise argparse.ArgumentTypeError(
-                f"no '{name}' runs 'tosses'; its rivals are: {', '.join(RIVALS)}")
-    return names
 
 
 def halves(table):
@@ -153,13 +139,10 @@ def show(rows):
 
 def plot(rows, file):
     """Errors over time, and the objective over friction at the best restitution, if there is matplotlib."""
-    try:
-        import matplotlib
-    except ImportError:
+    pyplot = beside.pyplot()
+    if not pyplot:
         return
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-    pyplot.rcParams.update({"svg.hashsalt": "talus", "font.size": 9})
+    pyplot.rcParams["font.size"] = 9
     figure, axes = pyplot.subplots(1, 3, figsize=(10, 3.2))
     for row in rows:
         seconds = [k / 148 for k in range(len(row["distances"]))]
