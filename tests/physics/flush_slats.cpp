@@ -1,11 +1,13 @@
 // A body on fixed slats, narrow and wide, keeps its speed and height with the ten iterations of
 // the default.
 #include <doctest/doctest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <string>
+#include <talus/checkpoint.hpp>
 #include <talus/observe/digest.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/serial.hpp>
@@ -112,34 +114,51 @@ void check_slats(const Shape& shape, const std::vector<real>& widths = {0.025, 0
 }
 
 template <class... More>
-using on_ranks = scene_with<decomposition<grid<dynamic, dynamic>>, transport<threads>, More...>;
+using on_ranks = scene_with<decomposition<grid<dynamic, dynamic>>, transport<threads>,
+                            features<checkpoints>, More...>;
 
-/// The digest after cubes have slid over the cuts between ranks, which are at x = 0 and y = 0.
+/// The digest after cubes and standing cylinders have slid over the cuts between ranks, which are
+/// at x = 0 and y = 0. The run is restarted after half of its steps.
 template <class Scene>
-std::string slid(int ranks) {
+std::string slid(int before, int after) {
+  const std::string file = "/tmp/talus_flush_slats_" + std::to_string(getpid()) + ".h5";
   std::string digest;
-  threads::launch({.ranks = ranks}, [&](threads::link& link) {
-    world<Scene> w(link, {.lower = {-1, -1}, .upper = {1, 1}});
-    w.gravity({0, 0, -9.81});
-    w.material({.restitution = 0, .friction = 0});
-    put_slats<box>(w, slats::fixed, 0.01, 0.5);
-    const vec3 v(2, 0, 0);
-    for (int k = -2; k <= 2; ++k)
-      w.add_if_local(body{.shape = box{{0.06, 0.06, 0.06}},
-                          .position = {-0.15, 0.1 * k, 0.03},
-                          .velocity = v,
-                          .orientation = rotation({0, 0, 1}, 0.2 * k)});
-    for (int k = 0; k < 36; ++k) {
-      w.step(1.0 / 240);
-      w.for_each_local([&](const auto& b) {
-        if (b.is_fixed()) return;
-        CHECK((b.velocity() - v).norm() < 1e-6 * v.norm());
-        CHECK(std::abs(b.position()[2] - 0.03) < 1e-6 * 0.06);
-      });
-    }
-    const auto all = state_digest(w);
-    if (link.rank() == 0) digest = all;
-  });
+  const vec3 v(2, 0, 0);
+  const auto run = [&](int ranks, bool restarts) {
+    threads::launch({.ranks = ranks}, [&](threads::link& link) {
+      world<Scene> w(link, {.lower = {-1, -1}, .upper = {1, 1}});
+      w.gravity({0, 0, -9.81});
+      w.material({.restitution = 0, .friction = 0});
+      if (restarts)
+        read_checkpoint(w, file);
+      else
+        put_slats<box>(w, slats::fixed, 0.01, 0.5);
+      for (int k = -2; k <= 2 && !restarts; ++k) {
+        const quat turn = rotation({0, 0, 1}, 0.2 * k);
+        w.add_if_local(body{.shape = box{{0.06, 0.06, 0.06}},
+                            .position = {-0.15, 0.1 * k, 0.03},
+                            .velocity = v,
+                            .orientation = turn});
+        w.add_if_local(body{.shape = cylinder{0.04, 0.06},
+                            .position = {-0.25, 0.1 * k, 0.03},
+                            .velocity = v,
+                            .orientation = turn});
+      }
+      for (int k = 0; k < 18; ++k) {
+        w.step(1.0 / 240);
+        w.for_each_local([&](const auto& b) {
+          if (b.is_fixed()) return;
+          CHECK((b.velocity() - v).norm() < 1e-6 * v.norm());
+          CHECK(std::abs(b.position()[2] - 0.03) < 1e-6 * 0.06);
+        });
+      }
+      if (!restarts) write_checkpoint(w, file);
+      const auto all = state_digest(w);
+      if (link.rank() == 0) digest = all;
+    });
+  };
+  run(before, false), run(after, true);
+  unlink(file.c_str());
   return digest;
 }
 
@@ -168,8 +187,12 @@ TEST_CASE("so does a hull on slats that are hulls") {
   check_slats<scene_with<transport<serial>>, convex_polyhedron>(cube);
 }
 
-TEST_CASE("so do cubes on several ranks, with the same bits by the reproducible solver") {
+TEST_CASE(
+    "so do both on several ranks after a restart, with one digest by the reproducible solver") {
   using reproduced = on_ranks<solver<reproducible>>;
-  CHECK(slid<reproduced>(2) == slid<reproduced>(1));
-  (void)slid<on_ranks<>>(2);
+  const auto one = slid<reproduced>(1, 1);
+  CHECK(slid<reproduced>(2, 4) == one);
+  CHECK(slid<reproduced>(4, 1) == one);
+  (void)slid<on_ranks<>>(2, 4);
+  (void)slid<on_ranks<>>(4, 2);
 }
