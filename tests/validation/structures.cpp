@@ -1,7 +1,7 @@
 // long
 // timeout: 300
 // Structures that stand or fall by a closed form, at the default settings: overhanging blocks,
-// leaning cards, tall boxes, and the wave that runs through dominoes. (Arches: hard/arches.cpp;
+// leaning cards, tall boxes, and the wave that runs through dominoes. (Arches: arches.cpp;
 // more on four ranks, and arches of little friction: structures_long.cpp.)
 #include <doctest/doctest.h>
 

@@ -1,9 +1,10 @@
+// alone
 // timeout: 300
 // The semicircular arch of wedges at the least thickness, of one rank, at the default settings.
-// (More structures, and four ranks: validation/structures.cpp and structures_long.cpp.)
+// (More structures, and four ranks: structures.cpp and structures_long.cpp.)
 #include <doctest/doctest.h>
 
-#include "../validation/structures.hpp"
+#include "structures.hpp"
 
 using namespace talus;
 using namespace talus::validation;
