@@ -13,6 +13,7 @@
 #include "talus/core/portable_powers.hpp"
 #include "talus/features/driven/servo.hpp"
 #include "talus/features/energy_ledger/soft_ledger.hpp"
+#include "talus/ghosts/velocities_of_owners.hpp"
 #include "talus/interaction/composed_law.hpp"
 #include "talus/interaction/pair_kinematics.hpp"
 #include "talus/motion/integrate.hpp"
@@ -295,12 +296,9 @@ void gather_motion(world_state<Scenario>& s) {
   });
 }
 
-/// Calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the present state;
-/// over all ranks each acts on each of its bodies once; or observer(key, geometry, force on a,
-/// counts_here), where each counts on one rank; or observer(key, point, centre of a, centre of b,
-/// force and moment on a, counts_here). Changes nothing that a step depends on.
-template <class Scenario, class Observer>
-void observe_forces(world_state<Scenario>& s, Observer&& observer) {
+/// Finds the pairs of the present state, for an observer. Changes nothing that a step depends on.
+template <class Scenario>
+void prepare_observation(world_state<Scenario>& s) {
   std::vector<bool> changed;  // for the next step to read
   s.each_shape([&](const auto& b) { changed.push_back(b.globals_changed); });
   prepare_detection(s);
@@ -308,10 +306,35 @@ void observe_forces(world_state<Scenario>& s, Observer&& observer) {
   s.each_shape([&](auto& b) { b.globals_changed = changed[k++]; });
   update_flush_bodies(s);
   gather_motion(s);
-  using observer_type = std::remove_reference_t<Observer>;
+}
+template <class Scenario, class Observer>
+void visit_contacts(world_state<Scenario>& s, Observer& observer) {
   each_neighbour_pair(s, [&]<class A, class B, partner P>() {
-    return force_adder<Scenario, A, B, P, observer_type>(s, observer);
+    return force_adder<Scenario, A, B, P, Observer>(s, observer);
   });
+}
+
+/// Calls observer(key, geometry, force on a, counts_here) for all contacts of the present state,
+/// where each counts on one rank, or adds up their stored energies. No rank waits for another, and
+/// the forces of contacts with shadow copies may be those of the middle of the step. Changes nothing
+/// that a step depends on.
+template <class Scenario, class Observer>
+void observe_contacts(world_state<Scenario>& s, Observer&& observer) {
+  prepare_observation(s);
+  visit_contacts(s, observer);
+}
+
+/// Collective: calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the present
+/// state; over all ranks each acts on each of its bodies once; or observer(key, geometry, force on
+/// a, counts_here), where each counts on one rank; or observer(key, point, centre of a, centre of b,
+/// force and moment on a, counts_here). All ranks of a contact see the same force. Changes nothing
+/// that a step depends on.
+template <class Scenario, class Observer>
+void observe_forces(world_state<Scenario>& s, Observer&& observer) {
+  prepare_observation(s);
+  if constexpr (Scenario::integrator::shares_midway && !world_state<Scenario>::link_type::alone)
+    if (s.soft.copies_lag) read_velocities_of_owners(s);
+  visit_contacts(s, observer);
 }
 
 /// The energies of the springs in the present state. Searches for pairs only if those of the last
@@ -320,7 +343,7 @@ template <class Scenario>
 [[nodiscard]] spring_energies survey_springs(world_state<Scenario>& s) {
   spring_energies e;
   if (!pairs_hold_unchanged(s)) {
-    observe_forces(s, e);
+    observe_contacts(s, e);
     return e;
   }
   update_flush_bodies(s);
