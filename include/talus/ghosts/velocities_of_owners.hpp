@@ -41,8 +41,8 @@ void read_velocities_of_owners(world_state<Scenario>& s) {
   s.each_finite_shape([&](const auto& b) {
     const auto& store = b.movable;
     const auto& noted = s.choice.bodies[k];
-    const auto now = numbers_now(
-        numbers_before(noted, std::span(store.id).first(store.locals)), noted.size());
+    const auto now =
+        numbers_now(numbers_before(noted, std::span(store.id).first(store.locals)), noted.size());
     for (std::size_t m = 0; m < messages.size(); ++m) {
       byte_writer out(messages[m].out);
       for (const auto copy : s.neighbours[with[m]].shadowed[k])

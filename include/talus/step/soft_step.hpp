@@ -316,19 +316,19 @@ void visit_contacts(world_state<Scenario>& s, Observer& observer) {
 
 /// Calls observer(key, geometry, force on a, counts_here) for all contacts of the present state,
 /// where each counts on one rank, or adds up their stored energies. No rank waits for another, and
-/// the forces of contacts with shadow copies may be those of the middle of the step. Changes nothing
-/// that a step depends on.
+/// the forces of contacts with shadow copies may be those of the middle of the step. Changes
+/// nothing that a step depends on.
 template <class Scenario, class Observer>
 void observe_contacts(world_state<Scenario>& s, Observer&& observer) {
   prepare_observation(s);
   visit_contacts(s, observer);
 }
 
-/// Collective: calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the present
-/// state; over all ranks each acts on each of its bodies once; or observer(key, geometry, force on
-/// a, counts_here), where each counts on one rank; or observer(key, point, centre of a, centre of b,
-/// force and moment on a, counts_here). All ranks of a contact see the same force. Changes nothing
-/// that a step depends on.
+/// Collective: calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the
+/// present state; over all ranks each acts on each of its bodies once; or observer(key, geometry,
+/// force on a, counts_here), where each counts on one rank; or observer(key, point, centre of a,
+/// centre of b, force and moment on a, counts_here). All ranks of a contact see the same force.
+/// Changes nothing that a step depends on.
 template <class Scenario, class Observer>
 void observe_forces(world_state<Scenario>& s, Observer&& observer) {
   prepare_observation(s);
