@@ -228,7 +228,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       if constexpr (law::exerts_moment) B->torque -= f.moment;
     }
     if constexpr (state_type::drives && !paired) press<ShapeB>(s_, j, f.force, A.inverse_mass);
-    if constexpr (booked) book(i, body_b(x), books, arm_a, arm_b, counts);
+    if constexpr (booked) book(x, books, f, t, arm_a, arm_b, counts);
     if constexpr (balanced) {
       vec3& ground = s_.monitors.momentum.ground_force;
       if (B == nullptr || B->inverse_mass == 0)
@@ -238,26 +238,37 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
     return f;
   }
-  void book(std::size_t i, std::size_t j, const booked_contact& c, const vec3& arm_a,
-            const vec3& arm_b, bool counts) {
+  void book(const body_pair& x, const booked_contact& c, const pair_force& f,
+            const contact_kinematics& t, const vec3& arm_a, const vec3& arm_b, bool counts) {
     spring_record& r = s_.monitors.springs;
+    real here = 0;
     if (counts) {
       r.normal += c.stored, r.released += c.released, r.across_before += c.across_before;
       r.across += c.across, r.yielded += c.yielded;
+      const auto p = contact_powers<real>::template of<law::central>(c, f, t);
+      r.spring_power += p.spring, r.dashpot_power += p.dashpot, r.friction_power += p.friction;
+      r.exchanged_power += std::abs(p.spring) + std::abs(p.dashpot) + std::abs(p.friction);
+      here = p.spring + p.dashpot + p.friction;
     }
-    const soft_body& A = s_.soft.bodies[first_a_ + i];
-    add_split(a_.split[i], 1, c, arm_a, turns<ShapeA>);
+    const soft_body& A = s_.soft.bodies[first_a_ + x.i];
+    const auto wall = [&](real sign, const vec3& v, const vec3& w, const vec3& arm) {
+      r.wall_power += power_on_body(sign, f.force, f.moment, v, w, arm);
+    };
     if constexpr (paired) {
-      const soft_body& B = s_.soft.bodies[first_b_ + j];
-      add_split(b_.split[j], -1, c, arm_b, turns<ShapeB>);
+      const soft_body& B = s_.soft.bodies[first_b_ + body_b(x)];
       if (B.inverse_mass == 0)
-        add_power(r, 1, c, B.v + B.w.cross(arm_b), B.w);
+        wall(1, B.v, B.w, arm_b);
       else if (A.inverse_mass == 0)
-        add_power(r, -1, c, A.v + A.w.cross(arm_a), A.w);
+        wall(-1, A.v, A.w, arm_a);
+      if (x.crosses_ranks())
+        r.power_elsewhere +=
+            here - (x.own_a ? power_on_body(1, f.force, f.moment, A.v, A.w, arm_a)
+                            : power_on_body(-1, f.force, f.moment, B.v, B.w, arm_b));
     } else if constexpr (state_type::drives) {
-      add_power(r, 1, c, surface_velocity_of(j, arm_b), b_.angular_velocity[j]);
+      r.wall_power += f.force.dot(surface_velocity_of(x.j, arm_b)) +
+                      f.moment.dot(b_.angular_velocity[x.j]);
     }
-    (void)j, (void)arm_b;
+    (void)A, (void)arm_b, (void)here, (void)wall;
   }
 
   [[nodiscard]] static bool is_zero(const pair_force& f) {
@@ -380,9 +391,6 @@ void measure_forces(world_state<Scenario>& s) {
   if constexpr (monitored<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
   if constexpr (monitored<Scenario, energy_ledger>) {
     s.monitors.springs.measure_anew();
-    each_movable_store(s, [](auto& store, std::size_t) {
-      std::fill(store.split.begin(), store.split.end(), split_forces{});
-    });
   }
   if constexpr (monitored<Scenario, momentum_balance>)
     s.monitors.momentum.ground_force = vec3(0, 0, 0);
@@ -400,6 +408,10 @@ void measure_forces(world_state<Scenario>& s) {
       for (std::size_t i = 0; i < store.locals; ++i) {
         store.contact_force[i] = s.soft.bodies[first + i].force;
         store.contact_torque[i] = s.soft.bodies[first + i].torque;
+        if constexpr (std::remove_reference_t<decltype(store)>::keeps_contact_power) {
+          const soft_body& body = s.soft.bodies[first + i];
+          store.contact_power[i] = body.force.dot(body.v) + body.torque.dot(body.w);
+        }
       }
   });
 }
@@ -453,6 +465,14 @@ void kick(world_state<Scenario>& s, real h) {
         torque = s.soft.bodies[first + i].torque;
       }
       [[maybe_unused]] const vec3 of_contacts = force, turn_of_contacts = torque;
+      [[maybe_unused]] real power = 0;
+      if constexpr (monitored<Scenario, energy_ledger>) {
+        const soft_body& body = s.soft.bodies[first + i];
+        if constexpr (store_type::keeps_contact_power)
+          power = store.contact_power[i];
+        else
+          power = force.dot(body.v) + torque.dot(body.w);
+      }
       if constexpr (store_type::forced) {
         force += store.force[i];
         torque += store.torque[i];
@@ -466,13 +486,13 @@ void kick(world_state<Scenario>& s, real h) {
       const vec3 v = store.velocity[i] + h * (inverse_mass * force + s.gravity),
                  w = store.angular_velocity[i] + (h * inverse_mass) * torque;
       if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
-        book_kick(s, sums, store, i, h, kept, of_contacts, turn_of_contacts, v, w);
+        book_kick(s, sums, store, i, h, kept, of_contacts, turn_of_contacts, power, v, w);
       store.velocity[i] = kept * v;
       store.angular_velocity[i] = kept * w;
     }
   });
   if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
-    book_kick_of_fixed(s, h);
+    book_kick_of_contacts(s, h);
 }
 
 /// Positions and orientations of the bodies owned here, after free motion for the time `h`.
