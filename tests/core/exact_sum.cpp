@@ -106,6 +106,15 @@ TEST_CASE(
   check([&] { return std::ldexp(digits(random), -(++count % 300)); });  // far below the largest
   check([&] { return std::ldexp(digits(random), ++count % 300); });     // larger and larger
   check([] { return 0.0; });
+  exact_sum sizes, sizes_in_batch;
+  {
+    talus::detail::exact_batch batch(sizes_in_batch);
+    for (int k = 0; k < 1000; ++k) {
+      const double x = std::ldexp(std::abs(digits(random)), -(k % 200));
+      sizes += x, batch += x;
+    }
+  }
+  CHECK(sizes.value() == sizes_in_batch.value());
   exact_sum broken;
   {
     talus::detail::exact_batch batch(broken);

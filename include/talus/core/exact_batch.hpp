@@ -52,7 +52,15 @@ class exact_batch {
     }
     for (std::size_t k = 0; k < count_; ++k) sum_ += waiting_[k];
     count_ = 0;
+    if (!used_) return;
     spill();
+    if constexpr (std::is_same_v<Sum, exact_sum>) {
+      exact_sum::cancel(all_.plus, all_.minus);
+      sum_ += all_.plus;
+    } else {
+      sum_ += all_;
+    }
+    all_ = {}, used_ = false;
   }
 
  private:
@@ -61,6 +69,7 @@ class exact_batch {
   static constexpr std::uint32_t most = 64;  ///< blocks whose parts of 40 digits fit into 52
 
   [[gnu::noinline]] void add_block() {
+    used_ = true;
     number x[packs], size{};
     std::memcpy(x, waiting_.data(), sizeof x);
     for (const number& p : x) size += size_of_lanes(p);
@@ -87,7 +96,7 @@ class exact_batch {
     if (any << 1 != 0) [[unlikely]]  // besides signs
       for (const number& p : x)
         for (std::size_t l = 0; l < lanes; ++l)
-          if (p[l] != 0) sum_ += p[l];
+          all_ += p[l];
     std::memcpy(waiting_.data(), &waiting_[block], lanes * sizeof(double));
     count_ -= block;
     if (++blocks_ == most) [[unlikely]]
@@ -114,22 +123,14 @@ class exact_batch {
     for (std::size_t k = 0; k < parts; ++k)
       cut_[k] = std::ldexp(1.5, top - (width - 1) - static_cast<int>(k) * width + 52);
   }
-  /// Adds the sums of the parts to the sum.
   [[gnu::noinline]] void spill() {
     if (blocks_ == 0) return;
     blocks_ = 0;
-    signed_sum all;
     for (number& part : part_) {
       double of_lanes = 0;  // exact
       for (std::size_t l = 0; l < lanes; ++l) of_lanes += part[l];
-      all += of_lanes;
+      all_ += of_lanes;
       part = number{};
-    }
-    if constexpr (std::is_same_v<Sum, exact_sum>) {
-      exact_sum::cancel(all.plus, all.minus);
-      sum_ += all.plus;
-    } else {
-      sum_ += all;
     }
   }
 
@@ -139,9 +140,11 @@ class exact_batch {
   std::size_t count_ = 0;
   std::array<double, block + lanes> waiting_;
   std::uint32_t blocks_ = 0;
+  bool used_ = false;  ///< blocks were added since the last flush
   double limit_ = 0;
   std::array<double, parts> cut_{};
   std::array<number, parts> part_{};
+  signed_sum all_;  ///< of the blocks: parts of numbers > 0 may be below 0
   Sum& sum_;
 };
 template <class Sum>

@@ -41,6 +41,7 @@ template <class Scenario>
     else
       (r.changes += now.all()) -= r.after.all();
     if constexpr (Scenario::contact_law::soft) springs = detail::view_of(w).monitors.springs;
+    springs.work_elsewhere = {};  // of single ranks
     detail::sum_exactly(w.link(), now.kinetic, now.potential, r.initial, r.changes, r.exchanged);
     for (detail::energy_sums* x : {&r.before, &r.after})
       detail::sum_exactly(w.link(), x->kinetic, x->potential, x->scale);

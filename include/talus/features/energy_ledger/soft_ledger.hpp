@@ -21,7 +21,9 @@ struct spring_energies {
   }
 };
 
-/// The powers of the parts of a contact's force on the relative motion of its bodies.
+/// The powers of the parts of a contact's force on the relative motion of its bodies. For the
+/// dashpot that is the motion midway through the step as the contact alone would change it; the
+/// springs bear the difference, so that the sum is the power of the force before the step.
 template <class Number>
 struct contact_powers {
   Number spring{}, dashpot{}, friction{};
@@ -31,10 +33,11 @@ struct contact_powers {
       const booked_contact_of<Number>& c, const pair_force_of<Number>& f,
       const contact_kinematics_of<Number>& t) {
     contact_powers p;
-    p.spring = dot(c.spring, t.velocity), p.dashpot = dot(c.dashpot, t.velocity);
+    const Number own = (real(0.5) * t.step) * dot(c.dashpot, f.force) / t.mass;
+    p.spring = dot(c.spring, t.velocity) - own, p.dashpot = dot(c.dashpot, t.velocity) + own;
     if constexpr (!Central) {
       p.spring += dot(c.spring_moment, t.spin);
-      p.friction = dot(f.force, t.velocity) + dot(f.moment, t.spin) - p.spring - p.dashpot;
+      p.friction = dot(c.friction, t.velocity) + dot(c.friction_moment, t.spin);
     }
     return p;
   }
