@@ -185,8 +185,7 @@ template <bool KeepsForces>
 struct contact_flows final {
   using talus_inside = void;
   using talus_part_of = roles::features;
-  using columns =
-      std::conditional_t<KeepsForces, type_list<columns::contact_power>, type_list<>>;
+  using columns = std::conditional_t<KeepsForces, type_list<columns::contact_power>, type_list<>>;
   struct record;
 };
 /// What motors, springs and friction of joints do: the energy ledger requires it in scenarios with

@@ -65,7 +65,7 @@ class exact_batch {
 
  private:
   static constexpr std::size_t lanes = 8, packs = 8, block = packs * lanes, parts = 3;
-  static constexpr int width = 41;          ///< binary digits of a part
+  static constexpr int width = 41;           ///< binary digits of a part
   static constexpr std::uint32_t most = 64;  ///< blocks whose parts of 40 digits fit into 52
 
   [[gnu::noinline]] void add_block() {
@@ -95,8 +95,7 @@ class exact_batch {
     for (std::size_t l = 0; l < lanes; ++l) any |= left[l];
     if (any << 1 != 0) [[unlikely]]  // besides signs
       for (const number& p : x)
-        for (std::size_t l = 0; l < lanes; ++l)
-          all_ += p[l];
+        for (std::size_t l = 0; l < lanes; ++l) all_ += p[l];
     std::memcpy(waiting_.data(), &waiting_[block], lanes * sizeof(double));
     count_ -= block;
     if (++blocks_ == most) [[unlikely]]

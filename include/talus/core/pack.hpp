@@ -66,7 +66,7 @@ template <class Mask, class Pack>
                                                         const Pack& b) {
 #if !defined(__AVX512F__)
   // Of packs wider than a register g++ would choose lane by lane.
-  if constexpr (lanes_of<Pack> > 1 && sizeof(Pack) == sizeof(Mask))
+  if constexpr (lanes_of < Pack >> 1 && sizeof(Pack) == sizeof(Mask))
     return reinterpret_cast<Pack>((m & reinterpret_cast<Mask>(a)) |
                                   (~m & reinterpret_cast<Mask>(b)));
   else

@@ -33,6 +33,7 @@ template <class Scenario>
   energy_balance b;
   if constexpr (detail::require_feature<Scenario, energy_ledger>()) {
     w.require_all_ranks("measure_energy");
+    detail::settle_books(detail::state_of(w));
     detail::energy_entries r = detail::view_of(w).monitors.energy;
     detail::spring_record springs;
     detail::energy_sums now = detail::energy_of(detail::view_of(w));

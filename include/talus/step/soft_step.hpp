@@ -265,8 +265,8 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
             here - (x.own_a ? power_on_body(1, f.force, f.moment, A.v, A.w, arm_a)
                             : power_on_body(-1, f.force, f.moment, B.v, B.w, arm_b));
     } else if constexpr (state_type::drives) {
-      r.wall_power += f.force.dot(surface_velocity_of(x.j, arm_b)) +
-                      f.moment.dot(b_.angular_velocity[x.j]);
+      r.wall_power +=
+          f.force.dot(surface_velocity_of(x.j, arm_b)) + f.moment.dot(b_.angular_velocity[x.j]);
     }
     (void)A, (void)arm_b, (void)here, (void)wall;
   }
@@ -420,29 +420,63 @@ void measure_forces(world_state<Scenario>& s) {
 // one of them, at the start or (Verlet) at the end; the energy at the other one is computed
 // separately.
 
+/// After the forces at the start of a step: the springs at the end of the last one, if nothing has
+/// looked at them, and at the start of this one.
 template <class Scenario>
 void open_springs_as_measured(step_records<Scenario>& s) {
-  const spring_record& r = s.monitors.springs;
+  spring_record& r = s.monitors.springs;
   signed_sum energy = r.normal;
-  open_springs(s, (energy += r.released) += r.across_before);
+  (energy += r.released) += r.across_before;
+  if (std::exchange(r.undisturbed, false)) {
+    r.unclosed -= r.across_before;
+    close_springs(s, energy, r.unclosed);
+  }
+  open_springs(s, energy);
+}
+/// At the end of a step: the next one, or settle_books(), closes it.
+template <class Scenario>
+void leave_springs_open(step_records<Scenario>& s) {
+  spring_record& r = s.monitors.springs;
+  close_step(s);
+  r.unclosed = r.yielded;
+  r.unclosed += r.across;
+  r.undisturbed = true;
 }
 template <class Scenario>
-void survey_at_end(world_state<Scenario>& s) {
+void open_springs_midway(world_state<Scenario>& s) {
+  spring_record& r = s.monitors.springs;
+  if (std::exchange(r.undisturbed, false)) {
+    r.across_at_start = r.across;
+    r.start = r.stored;
+    return;
+  }
   const spring_energies now = survey_springs(s);
-  signed_sum opened = s.monitors.springs.across;
-  close_springs(s, now.sum(), opened -= now.across);
-}
-template <class Scenario>
-void survey_at_start(world_state<Scenario>& s) {
-  const spring_energies now = survey_springs(s);
-  s.monitors.springs.across_at_start = now.across;
+  r.across_at_start = now.across;
   open_springs(s, now.sum());
 }
 template <class Scenario>
 void close_springs_as_measured(step_records<Scenario>& s) {
-  const spring_record& r = s.monitors.springs;
-  signed_sum energy = r.normal, opened = r.across_at_start;
-  close_springs(s, energy += r.across, opened -= r.across_before);
+  spring_record& r = s.monitors.springs;
+  signed_sum energy = r.normal, lost = r.yielded;
+  (lost += r.across_at_start) -= r.across_before;
+  close_step(s);
+  close_springs(s, energy += r.across, lost);
+  r.undisturbed = true;
+}
+
+/// To be called after steps before anything else looks at the energy ledger or changes what it
+/// counts.
+template <class Scenario>
+void settle_books(world_state<Scenario>& s) {
+  if constexpr (Scenario::contact_law::soft && monitored<Scenario, energy_ledger>) {
+    spring_record& r = s.monitors.springs;
+    if (!std::exchange(r.undisturbed, false)) return;
+    if constexpr (!Scenario::integrator::shares_midway) {
+      const spring_energies now = survey_springs(s);
+      r.unclosed -= now.across;
+      close_springs(s, now.sum(), r.unclosed);
+    }
+  }
 }
 
 /// Velocities of the bodies owned here, after their contacts, gravity and the user's forces have

@@ -295,8 +295,9 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     add(books_.normal, c.stored), add(books_.across_before, c.across_before);
     add(books_.across, c.across), add(books_.yielded, c.yielded);
     add(books_.spring, p.spring), add(books_.dashpot, p.dashpot), add(books_.friction, p.friction);
-    books_.exchanged +=
-        choose(counting, size_of_lanes(p.spring) + size_of_lanes(p.dashpot) + size_of_lanes(p.friction), number{});
+    books_.exchanged += choose(
+        counting, size_of_lanes(p.spring) + size_of_lanes(p.dashpot) + size_of_lanes(p.friction),
+        number{});
   }
   /// The power on bodies of other ranks of the contacts that count here, and the reverse.
   [[gnu::always_inline]] inline void book_across_ranks(

@@ -76,8 +76,7 @@ void book_kick(world_state<Scenario>& s, Sums& sums, const Store& store, std::si
   if constexpr (monitored<Scenario, energy_ledger>) {
     energy_record& r = s.monitors.energy;
     const vec3 mv = 0.5 * (store.velocity[i] + v), mw = 0.5 * (store.angular_velocity[i] + w);
-    sums.scheme +=
-        h * (force.dot(mv) + torque.dot(mw) - power) + (h * mass) * s.gravity.dot(mv);
+    sums.scheme += h * (force.dot(mv) + torque.dot(mw) - power) + (h * mass) * s.gravity.dot(mv);
     if constexpr (Store::forced)
       r.running.work += h * (store.force[i].dot(mv) + store.torque[i].dot(mw));
     if (kept != 1) {
@@ -147,20 +146,29 @@ void book_migration(world_state<Scenario>& s, real sign) {
   sign > 0 ? moved += now : moved -= now;
 }
 
-/// At the end: `energy` is that of the springs; `opened` that of the tangential springs of contacts
-/// that opened. It is lost, as is the energy of slip: the springs released it, but not to motion.
+/// The entries of a step besides those of the springs at its end.
 template <class Scenario>
-void close_springs(step_records<Scenario>& s, const signed_sum& energy, const signed_sum& opened) {
+void close_step(step_records<Scenario>& s) {
   energy_record& r = s.monitors.energy;
-  spring_record& springs = s.monitors.springs;
-  signed_sum lost = springs.yielded;
-  lost += opened;
-  r.running.friction += lost;
-  ((r.running.scheme += energy) -= springs.start) += lost;
-  springs.stored = energy;
   r.step = r.running;
   r.total += r.step;
+  // What springs take or give is in an entry, too: their energy at the end is not needed.
+  spring_record springs = s.monitors.springs;
+  springs.stored = springs.start;
   r.note_closure(closure_of(r, springs).value(), scale_of(r, springs));
+}
+/// `energy` is that of the springs at the end of the step, `opened` that of the tangential springs
+/// of contacts that opened, and what yielded. It is lost, as is the energy of slip: the springs
+/// released it, but not to motion.
+template <class Scenario>
+void close_springs(step_records<Scenario>& s, const signed_sum& energy, const signed_sum& lost) {
+  energy_record& r = s.monitors.energy;
+  spring_record& springs = s.monitors.springs;
+  for (flow_sums* of : {&r.step, &r.total}) {
+    of->friction += lost;
+    ((of->scheme += energy) -= springs.start) += lost;
+  }
+  springs.stored = energy;
 }
 
 }  // namespace talus::detail
