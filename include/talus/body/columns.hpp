@@ -19,19 +19,6 @@ enum body_flag : std::uint8_t {
   flag_released = 16   ///< it was fixed; until all ranks that hold copies are notified
 };
 
-/// The effect of springs and dashpots of soft contacts on a body, separately; the rest of the force
-/// is friction. Two cache lines.
-struct alignas(64) split_forces {
-  vec3 spring{0, 0, 0};
-  real fourth_of_spring = 0;  ///< padding of the rows to four numbers, as are the others
-  vec3 spring_torque{0, 0, 0};
-  real fourth_of_spring_torque = 0;
-  vec3 dashpot{0, 0, 0};
-  real fourth_of_dashpot = 0;
-  vec3 dashpot_torque{0, 0, 0};
-  real fourth_of_dashpot_torque = 0;
-};
-
 /// How far a body has moved by its velocity while it was slow, in a third of the time after which
 /// it may sleep; see features/sleeping/rest.hpp.
 struct drift_while_slow {
@@ -180,17 +167,17 @@ struct contact_torque {
   };
   static constexpr auto member = &storage::contact_torque;
 };
-/// The sum of both, by parts.
-struct split {
-  using value_type = split_forces;
-  static constexpr const char *name = "split_forces", *unit = "M L/T^2";
+/// The power of both, when they were computed.
+struct contact_power {
+  using value_type = real;
+  static constexpr const char *name = "contact_power", *unit = "M L^2/T^3";
   static constexpr int place = 5;
   template <class Shape>
   static constexpr bool carried_by = Shape::finite;
   struct storage {
-    plain_vector<split_forces> split;
+    plain_vector<real> contact_power;
   };
-  static constexpr auto member = &storage::split;
+  static constexpr auto member = &storage::contact_power;
 };
 struct user_id {
   using value_type = std::uint32_t;

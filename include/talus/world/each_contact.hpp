@@ -137,8 +137,8 @@ class pair_points {
   plain_vector<contact_geometry> points_;
 };
 
-/// Calls f(contact, counts_here) for the contacts that carry a force and have a body owned here:
-/// over all ranks each counts once.
+/// Collective: calls f(contact, counts_here) for the contacts that carry a force and have a body
+/// owned here: over all ranks each counts once.
 template <class Scenario, class F>
 void each_loaded_contact(world_state<Scenario>& s, const body_places<Scenario>& places, F&& f) {
   if constexpr (Scenario::contact_law::soft) {
@@ -180,12 +180,13 @@ void each_loaded_contact(world_state<Scenario>& s, F&& f) {
 
 }  // namespace detail
 
-/// Calls f(contact) for the contacts of the present state that carry a force: over all ranks once
-/// for each, on the rank that owns its body a, or b if a cannot move. No rank waits for another.
-/// There are none before the first step.
+/// Collective: calls f(contact) for the contacts of the present state that carry a force: over all
+/// ranks once for each, on the rank that owns its body a, or b if a cannot move. With
+/// integrator<velocity_verlet> neighbours exchange velocities first. There are none before the
+/// first step.
 template <class Scenario, class F>
 void for_each_contact(world<Scenario>& w, F&& f) {
-  w.note_reading("for_each_contact");
+  w.require_all_ranks("for_each_contact");
   detail::each_loaded_contact(detail::state_of(w), [&](const loaded_contact& c, bool counts) {
     if (counts) f(c);
   });

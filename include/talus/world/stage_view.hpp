@@ -149,7 +149,8 @@ class stage_view {
   /// Calls f(body) for each contact of the step that carries a force and touches a body that this
   /// rank owns, in an order that depends on the ids of the bodies: sums over the contacts of a body
   /// have the same bits on any ranks. Both ranks see a contact across ranks. At after_solve the
-  /// contacts are those that were solved, at the positions where they were found.
+  /// contacts are those that were solved, at the positions where they were found. Collective: all
+  /// ranks visit contacts at the same stages.
   template <class F>
   void for_each_contact(F&& f) {
     find_contacts();

@@ -619,6 +619,10 @@ class world {
   void after_each_step(std::string_view name, std::function<void()> f) {
     observers_.push_back({std::move(f), state_.functions.number(name)});
   }
+  /// The same for an f that changes nothing of the world.
+  void look_after_each_step(std::string_view name, std::function<void()> f) {
+    observers_.push_back({std::move(f), state_.functions.number(name), 0});
+  }
   /// Calls f(world) after each step of simulate() whose number is a multiple of `when.steps`, on
   /// all ranks: `world.observe(every{100}, [](auto& world) { ... })`. f may call collective
   /// functions of the world. Throws invalid_argument for a multiple of 0.
@@ -643,6 +647,7 @@ class world {
         f(*this);
         agree_ = true;
       });
+      observers_.back().acts_every = when.steps;
     }
   }
   /// Calls f() after each step of simulate(), after all functions of after_each_step() and
@@ -651,6 +656,10 @@ class world {
   /// The same; the summary of the run tells the time of f under this name.
   void after_observers(std::string_view name, std::function<void()> f) {
     writers_.push_back({std::move(f), state_.functions.number(name)});
+  }
+  /// The same for an f that changes nothing of the world.
+  void look_after_observers(std::string_view name, std::function<void()> f) {
+    writers_.push_back({std::move(f), state_.functions.number(name), 0});
   }
   /// Calls f() at the start of each simulate(), when all bodies are with their owners.
   void before_simulating(std::function<void()> f) { before_simulating({}, std::move(f)); }
@@ -816,8 +825,11 @@ class world {
   bool agree_ = false;       ///< a function of observe() was called in the present step
   using called = std::vector<detail::named_function<std::function<void()>>>;
   using laps = detail::lap_clock<detail::world_state<Scenario>>;
-  static void call(const called& all, laps& clock) {
-    for (const auto& one : all) one.f(), clock.lap(one.number);
+  void call(const called& all, laps& clock) {
+    for (const auto& one : all) {
+      if (one.acts_every != 0 && state_.steps % one.acts_every == 0) detail::settle_books(state_);
+      one.f(), clock.lap(one.number);
+    }
   }
   called observers_, writers_, starters_;
   unit_names units_;

@@ -17,6 +17,7 @@ void velocity_verlet::step(detail::world_state<Scenario>& s) {
   run_hooks<stages::after_move>(s);
   run_hooks<stages::before_share>(s);
   migrate_and_refresh(s);
+  s.soft.copies_lag = false;
   run_hooks<stages::after_share>(s);
   run_hooks<stages::before_detect>(s);
   timed(s, s.seconds.detect, [&] { find_close_pairs(s); });
@@ -24,6 +25,7 @@ void velocity_verlet::step(detail::world_state<Scenario>& s) {
   timed(s, s.seconds.respond, [&] { measure_forces(s); });
   run_hooks<stages::after_solve>(s);
   timed(s, s.seconds.integrate, [&] { kick(s, s.dt / 2), end_forces(s); });
+  s.soft.copies_lag = true;
   run_hooks<stages::at_close>(s);
   advance(s);
 }
