@@ -10,10 +10,11 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/shared_data.hpp"
 #include "talus/core/type_list.hpp"
-#include "talus/shape/detail/principal_axes.hpp"
 #include "talus/shape/detail/union_parts.hpp"
 #include "talus/shape/frame.hpp"
+#include "talus/shape/principal_axes.hpp"
 
 namespace talus {
 
@@ -68,6 +69,10 @@ class union_of {
 
   /// An empty value, to be assigned to.
   union_of() = default;
+  /// One part, for a body with a centre of mass or an inertia of its own.
+  template <class Shape>
+  explicit union_of(const Shape& shape) requires(... || std::is_same_v<Shape, Shapes>)
+      : union_of(std::vector<part>{{.shape = shape}}) {}
   /// Throws invalid_argument for an invalid part, for zero total mass, and for more than 65,535
   /// parts.
   explicit union_of(const std::vector<part>& parts) : data_(build<real>(parts)) {}
@@ -126,6 +131,18 @@ class union_of {
         half[i] = std::max(half[i], d.dot(support(d)));
       }
     return half;
+  }
+
+  /// The same form with its centre of mass at a point, given in the coordinates of the parts. The
+  /// principal moments and axes are kept.
+  [[nodiscard]] union_of with_centre(const vec3& centre) const {
+    return with_frame({centre, data_->frame.orientation}, data_->inertia);
+  }
+  /// The same form with another centre of mass and another inertia per unit mass: a symmetric
+  /// matrix, about the centre, along the axes of the coordinates of the parts.
+  [[nodiscard]] union_of with_inertia(const vec3& centre, const mat3& inertia) const {
+    const auto principal = detail::principal_inertia(centre, inertia);
+    return with_frame(principal.frame, principal.inertia);
   }
 
   template <class Writer>
@@ -222,6 +239,9 @@ class union_of {
             built.add(shape, detail::combined(back, places[n]), parts[n].density);
           },
           parts[n].shape);
+    return finished(std::move(built));
+  }
+  [[nodiscard]] static std::shared_ptr<const data> finished(data built) {
     built.sort();
     require_measured(built);
     detail::byte_buffer content;
@@ -229,6 +249,25 @@ class union_of {
     built.pack(writer);
     built.id = detail::id_of_content(content);
     return std::make_shared<const data>(std::move(built));
+  }
+  /// The same parts with another frame of the body.
+  [[nodiscard]] union_of with_frame(const pose& frame, const vec3& inertia) const {
+    detail::byte_buffer key;
+    detail::byte_writer writer(key);
+    writer.put(data_->id), writer.put(frame.position), writer.put(frame.orientation);
+    writer.put(inertia);
+    union_of u;
+    u.data_ = detail::made_once<data>(detail::id_of_content(key), [&] {
+      data built;
+      built.volume = data_->volume, built.inertia = inertia, built.frame = frame;
+      const pose change = detail::combined(detail::inverse(frame), data_->frame);
+      for (std::size_t n = 0; n < parts(); ++n)
+        data_->visit(n, [&](const auto& shape, const pose& at, real density) {
+          built.add(shape, detail::combined(change, at), density);
+        });
+      return finished(std::move(built));
+    });
+    return u;
   }
 
   std::shared_ptr<const data> data_;

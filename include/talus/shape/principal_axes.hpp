@@ -34,6 +34,37 @@ template <class Real>
   return axes;
 }
 
+/// Where a body is, and how it resists turning.
+template <class Real>
+struct principal_frame {
+  pose frame;             ///< centre of mass, principal axes
+  vector3<Real> inertia;  ///< moments per unit mass
+};
+
+/// The rotation to the axes in which `m`, symmetric, is diagonal.
+template <class Real>
+[[nodiscard]] quaternion<Real> principal_rotation(const matrix3<Real>& m) {
+  quaternion<Real> q(principal_axes<Real>(m));
+  q.normalize();
+  if (q.w() < 0) q = {-q.w(), -q.x(), -q.y(), -q.z()};
+  return q;
+}
+/// The diagonal of `m` along the axes of a rotation.
+template <class Real>
+[[nodiscard]] vector3<Real> diagonal_along(const quaternion<Real>& q, const matrix3<Real>& m) {
+  const matrix3<Real> turned = q.toRotationMatrix();
+  vector3<Real> along;
+  for (int i = 0; i < 3; ++i) along[i] = turned.col(i).dot(m * turned.col(i));
+  return along;
+}
+/// The principal axes and moments of a tensor of inertia.
+template <class Real>
+[[nodiscard]] principal_frame<Real> principal_inertia(const vector3<Real>& centre,
+                                                      const matrix3<Real>& tensor) {
+  const quaternion<Real> q = principal_rotation(tensor);
+  return {{centre, q}, diagonal_along(q, tensor)};
+}
+
 /// Mass with its first and second moments about a fixed point.
 template <class Real>
 struct mass_moments {
@@ -41,20 +72,11 @@ struct mass_moments {
   vector3<Real> first = vector3<Real>::Zero();
   matrix3<Real> second = matrix3<Real>::Zero();  ///< integral of x x^T
 
-  struct principal {
-    pose frame;             ///< centre of mass, principal axes
-    vector3<Real> inertia;  ///< moments per unit mass
-  };
-  [[nodiscard]] principal reduce() const {
+  [[nodiscard]] principal_frame<Real> reduce() const {
     const vector3<Real> centre = first / mass;
     const matrix3<Real> spread = second / mass - outer(centre, centre);
-    const matrix3<Real> axes = principal_axes<Real>(spread);
-    quaternion<Real> q(axes);
-    q.normalize();
-    if (q.w() < 0) q = {-q.w(), -q.x(), -q.y(), -q.z()};
-    const matrix3<Real> turned = q.toRotationMatrix();
-    vector3<Real> along;
-    for (int i = 0; i < 3; ++i) along[i] = turned.col(i).dot(spread * turned.col(i));
+    const quaternion<Real> q = principal_rotation(spread);
+    const vector3<Real> along = diagonal_along(q, spread);
     return {{centre, q}, {along[1] + along[2], along[2] + along[0], along[0] + along[1]}};
   }
 };
