@@ -11,9 +11,9 @@ namespace talus::detail {
 /// Axes (columns, right-handed) in which `m`, symmetric, is diagonal, by Jacobi's rotations.
 /// Principal axes are kept to the bit; round-off beside the diagonal counts as zero.
 template <class Real>
-[[nodiscard]] matrix3<Real> principal_axes(matrix3<Real> m) {
+[[nodiscard]] matrix3<Real> principal_axes(matrix3<Real> m, Real round_off = Real(1e-13)) {
   matrix3<Real> axes = matrix3<Real>::Identity();
-  const Real zero = Real(1e-13) * (m(0, 0) + (m(1, 1) + m(2, 2)));
+  const Real zero = round_off * (m(0, 0) + (m(1, 1) + m(2, 2)));
   for (int sweep = 0; sweep < 50; ++sweep) {
     bool diagonal = true;
     for (int p = 0; p < 2; ++p)
@@ -43,8 +43,9 @@ struct principal_frame {
 
 /// The rotation to the axes in which `m`, symmetric, is diagonal.
 template <class Real>
-[[nodiscard]] quaternion<Real> principal_rotation(const matrix3<Real>& m) {
-  quaternion<Real> q(principal_axes<Real>(m));
+[[nodiscard]] quaternion<Real> principal_rotation(const matrix3<Real>& m,
+                                                  Real round_off = Real(1e-13)) {
+  quaternion<Real> q(principal_axes<Real>(m, round_off));
   q.normalize();
   if (q.w() < 0) q = {-q.w(), -q.x(), -q.y(), -q.z()};
   return q;
@@ -72,10 +73,14 @@ struct mass_moments {
   vector3<Real> first = vector3<Real>::Zero();
   matrix3<Real> second = matrix3<Real>::Zero();  ///< integral of x x^T
 
-  [[nodiscard]] principal_frame<Real> reduce() const {
+  mass_moments& operator+=(const mass_moments& other) {
+    mass += other.mass, first += other.first, second += other.second;
+    return *this;
+  }
+  [[nodiscard]] principal_frame<Real> reduce(Real round_off = Real(1e-13)) const {
     const vector3<Real> centre = first / mass;
     const matrix3<Real> spread = second / mass - outer(centre, centre);
-    const quaternion<Real> q = principal_rotation(spread);
+    const quaternion<Real> q = principal_rotation(spread, round_off);
     const vector3<Real> along = diagonal_along(q, spread);
     return {{centre, q}, {along[1] + along[2], along[2] + along[0], along[0] + along[1]}};
   }
