@@ -120,6 +120,9 @@ class union_of {
   [[nodiscard]] const pose& frame() const { return data_->frame; }
   /// Distance of its furthest point from the centre.
   [[nodiscard]] real bounding_radius() const { return data_->bounding_radius; }
+  /// The least distance from the centre of mass to the bounds along the axes of the body; a
+  /// twentieth of the bounding radius if the centre is outside of them.
+  [[nodiscard]] real inner_radius() const { return data_->inner_radius; }
   /// Integral of the relative density, from which the mass follows.
   [[nodiscard]] real volume() const { return data_->volume; }
   /// Principal moments per unit mass.

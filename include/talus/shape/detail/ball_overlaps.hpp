@@ -14,29 +14,29 @@
 namespace talus::detail {
 
 template <class Real>
-struct ball {
+struct part_ball {
   vector3<Real> centre;
   Real radius;
 };
 
 template <class Real>
-[[nodiscard]] bool balls_meet(const ball<Real>& a, const ball<Real>& b) {
+[[nodiscard]] bool balls_meet(const part_ball<Real>& a, const part_ball<Real>& b) {
   const Real reach = a.radius + b.radius;
   return (a.centre - b.centre).squaredNorm() < reach * reach * (1 - Real(1e-12));
 }
 template <class Real>
-[[nodiscard]] bool ball_contains(const ball<Real>& outer, const ball<Real>& inner) {
+[[nodiscard]] bool ball_contains(const part_ball<Real>& outer, const part_ball<Real>& inner) {
   return (outer.centre - inner.centre).norm() + inner.radius <= outer.radius * (1 + Real(1e-13));
 }
 
 /// What two balls share, in closed form: two caps with one base. Moments about the origin.
 template <class Real>
-[[nodiscard]] mass_moments<Real> shared_by_two(const ball<Real>& a, const ball<Real>& b) {
+[[nodiscard]] mass_moments<Real> shared_by_two(const part_ball<Real>& a, const part_ball<Real>& b) {
   mass_moments<Real> sum;
   if (!balls_meet(a, b)) return sum;
   const vector3<Real> way = b.centre - a.centre;
   const Real distance = way.norm();
-  const auto add = [&](const ball<Real>& of, const vector3<Real>& along, Real from) {
+  const auto add = [&](const part_ball<Real>& of, const vector3<Real>& along, Real from) {
     // The cap of points x >= from along the axis.
     const Real r = of.radius, r2 = r * r;
     const auto between = [&](auto&& f) { return Real(pi) * (f(r) - f(from)); };
@@ -52,7 +52,7 @@ template <class Real>
                   (axial - across) * outer(along, along) + diagonal_matrix<Real>(across);
   };
   if (ball_contains(a, b) || ball_contains(b, a)) {
-    const ball<Real>& inner = a.radius < b.radius ? a : b;
+    const part_ball<Real>& inner = a.radius < b.radius ? a : b;
     add(inner, {1, 0, 0}, -inner.radius);
     return sum;
   }
@@ -106,13 +106,14 @@ struct plane_moments {
 template <class Real>
 class shared_by_many {
  public:
-  shared_by_many(const ball<Real>& one, const std::vector<ball<Real>>& others) : one_(one) {
-    for (const ball<Real>& o : others) {
+  shared_by_many(const part_ball<Real>& one, const std::vector<part_ball<Real>>& others)
+      : one_(one) {
+    for (const part_ball<Real>& o : others) {
       if (!balls_meet(one, o)) continue;
       bool inside = false;
-      for (const ball<Real>& k : others_) inside = inside || ball_contains(k, o);
+      for (const part_ball<Real>& k : others_) inside = inside || ball_contains(k, o);
       if (inside) continue;
-      std::erase_if(others_, [&](const ball<Real>& k) { return ball_contains(o, k); });
+      std::erase_if(others_, [&](const part_ball<Real>& k) { return ball_contains(o, k); });
       others_.push_back(o);
     }
   }
@@ -122,10 +123,10 @@ class shared_by_many {
       for (std::size_t j = 0; j < i; ++j) apart = apart && !balls_meet(others_[i], others_[j]);
     mass_moments<Real> sum;
     if (apart) {
-      for (const ball<Real>& o : others_) sum += shared_by_two(one_, o);
+      for (const part_ball<Real>& o : others_) sum += shared_by_two(one_, o);
       return sum;
     }
-    for (const ball<Real>& o : others_)
+    for (const part_ball<Real>& o : others_)
       if (ball_contains(o, one_)) return shared_by_two(one_, o);
     find_slabs();
     for (std::size_t k = 0; k + 1 < slabs_.size(); ++k) integrate(slabs_[k], slabs_[k + 1], sum);
@@ -147,18 +148,18 @@ class shared_by_many {
   /// Heights at which the circles change: of poles, of the ends of circles in which two balls meet,
   /// and of points in which three do. Heights and places are those from the centre of the ball.
   void find_slabs() {
-    std::vector<ball<Real>> all{{{0, 0, 0}, one_.radius}};
-    for (const ball<Real>& o : others_) all.push_back({o.centre - one_.centre, o.radius});
+    std::vector<part_ball<Real>> all{{{0, 0, 0}, one_.radius}};
+    for (const part_ball<Real>& o : others_) all.push_back({o.centre - one_.centre, o.radius});
     const Real r = one_.radius;
     slabs_ = {-r, r};
     const auto add = [&](Real z) {
       if (z > -r && z < r) slabs_.push_back(z);
     };
     for (std::size_t i = 0; i < all.size(); ++i) {
-      const ball<Real>& a = all[i];
+      const part_ball<Real>& a = all[i];
       add(a.centre[2] - a.radius), add(a.centre[2] + a.radius);
       for (std::size_t j = 0; j < i; ++j) {
-        const ball<Real>& b = all[j];
+        const part_ball<Real>& b = all[j];
         const vector3<Real> way = b.centre - a.centre;
         const Real d = way.norm();
         if (!(d > 0)) continue;
@@ -171,7 +172,7 @@ class shared_by_many {
         add(middle[2] - rise), add(middle[2] + rise);
         for (std::size_t k = 0; k < j; ++k) {
           // The circle meets the third ball where its plane cuts that of the circle.
-          const ball<Real>& c = all[k];
+          const part_ball<Real>& c = all[k];
           const vector3<Real> to = c.centre - middle;
           const vector3<Real> flat = to - axis.dot(to) * axis;
           const Real far = flat.norm();
@@ -217,7 +218,7 @@ class shared_by_many {
       return square > 0;
     };
     if (!put({0, 0, 0}, one_.radius)) return;
-    for (const ball<Real>& o : others_) put(o.centre - one_.centre, o.radius);
+    for (const part_ball<Real>& o : others_) put(o.centre - one_.centre, o.radius);
     plane_moments<Real> m;
     // The boundary of the part of circle 0 inside others: its own arcs inside one of them, and
     // their arcs inside it and outside each other.
@@ -272,8 +273,8 @@ class shared_by_many {
     return false;
   }
 
-  ball<Real> one_;
-  std::vector<ball<Real>> others_;
+  part_ball<Real> one_;
+  std::vector<part_ball<Real>> others_;
   std::vector<Real> slabs_;
   std::vector<circle> circles_;
   std::vector<span> covered_;

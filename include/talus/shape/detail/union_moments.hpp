@@ -76,7 +76,7 @@ class shared_moments {
   }
 
  private:
-  [[nodiscard]] ball<Real> ball_of(std::size_t i) const {
+  [[nodiscard]] part_ball<Real> ball_of(std::size_t i) const {
     return {parts_.entries[i].centre, parts_.entries[i].reach};
   }
   void find_earlier(std::size_t i) {
@@ -113,7 +113,7 @@ class shared_moments {
     bool balls = is_ball_[i];
     for (const std::size_t j : earlier_) balls = balls && is_ball_[j];
     if (balls) {
-      std::vector<ball<Real>> others;
+      std::vector<part_ball<Real>> others;
       for (const std::size_t j : earlier_) others.push_back(ball_of(j));
       return shared_by_many<Real>(ball_of(i), others).moments();
     }
