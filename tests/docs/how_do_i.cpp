@@ -132,6 +132,21 @@ endsolid chute
                              .material = stone,
                              .orientation = random.rotation()};
                });
+    const auto before_toys = world.local_bodies();
+    const auto heavy = world.add(body{.shape = sphere{0.5}, .position = {9, 0, 1}, .mass = 3});
+    const clump ball{sphere{0.5}};  // a union_of<sphere>
+    const auto hollow =
+        world.add(body{.shape = ball, .position = {9, 2, 1}, .mass = 2, .inertia = 1. / 3});
+    const auto tumbler = world.add(body{.shape = ball,
+                                        .position = {9, 4, 1},
+                                        .mass = 2,
+                                        .inertia = {0.2, 0.2, 0.1},
+                                        .centre = {0, 0, -0.2}});
+    CHECK(world.local_bodies() == before_toys + 3);
+    CHECK(world[heavy].mass() == doctest::Approx(3));
+    CHECK(world[hollow].inertia()[2] == doctest::Approx(1. / 3));
+    CHECK((world[tumbler].position() - vec3(9, 4, 0.8)).norm() < 1e-14);
+    world.destroy(heavy), world.destroy(hollow), world.destroy(tumbler);
     const triangle_mesh chute = read_stl("chute.stl", 0.001);  // from millimetres to metres
     const pose at = placed(chute);
     world.global([&](auto& scope) { scope.add(chute, stone, at.position, at.orientation); });

@@ -246,7 +246,8 @@ class Worlds(unittest.TestCase):
         self.assertAlmostEqual(spheres.positions[row, 0], 0.1)
         spheres.set_velocity(new, (0, 2, 0))
         self.assertEqual(spheres.velocities[row].tolist(), [0, 2, 0])
-        crate = world.bodies["box"].add(1, 2, 3, position=(0, -9, 4))
+        crate = world.bodies["box"].add(1, 2, 3, position=(0, -9, 4), mass=7)
+        self.assertEqual(world.body_table().set_index("id").loc[crate, "mass"], 7)
         world.step(1)
         world.bodies["box"].remove(crate)
         spheres.remove(new)
@@ -256,6 +257,8 @@ class Worlds(unittest.TestCase):
                            (lambda: spheres.add(-1, position=(0, 0, 9)), "radius"),
                            (lambda: spheres.add(1, position=(0, 0, float("nan"))), "position"),
                            (lambda: spheres.add(1, position=(0, 0, 9), material=7), "material"),
+                           (lambda: spheres.add(1, position=(0, 0, 9), mass=0), "the mass of a sphere .* is 0"),
+                           (lambda: spheres.add(1, position=(0, 0, 9), mass=2, density=3), "leave one of the two out"),
                            (lambda: spheres.remove(new), "sphere"),
                            (lambda: spheres.set_velocity(new, (0, 0, 0)), "does not know the sphere")]:
             with self.assertRaisesRegex(ValueError, words):

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -35,6 +36,23 @@ struct content_id {
     bytes = bytes.subspan(n);
   }
   return id;
+}
+
+/// Data that take long to make: `make()` is called unless data of this name are in use, made by
+/// this thread. The name is a hash of all that they are made from.
+template <class Data, class Make>
+[[nodiscard]] std::shared_ptr<const Data> made_once(const content_id& name, Make&& make) {
+  thread_local std::map<content_id, std::weak_ptr<const Data>> made;
+  thread_local std::size_t most = 64;
+  std::shared_ptr<const Data> data = made[name].lock();
+  if (data == nullptr) {
+    made[name] = data = make();
+    if (made.size() > most) {
+      std::erase_if(made, [](const auto& one) { return one.second.expired(); });
+      most = 2 * made.size() + 64;
+    }
+  }
+  return data;
 }
 
 /// The shared data that both ends of a channel between two ranks hold. The two ends see the same

@@ -39,8 +39,7 @@ class view_writer {
           if (store.flags[i] & flag_invisible) continue;
           view_body one = body_of(store, i, w.rank(), global);
           if constexpr (shape::finite)
-            one.mass = static_cast<float>(s.materials[store.material[i]].density *
-                                          store.shape[i].volume());
+            one.mass = static_cast<float>(mass_of(store, i, s.materials));
           add_body(out, store, i, one);
         }
       };

@@ -132,10 +132,21 @@ template <class Scenario>
         lower(2 * n + minus_speed, -b.velocity().norm());
         lower(2 * n + minus_top, -(height - below));
         lower(2 * n + minus_fall, -fall_to_planes(w, b.position() + below * down, down));
-        if constexpr (law::bounds_each_body)
-          lower(2 * n + of_bodies,
-                law::longest_step_of_body(materials[b.material()], sphere_radius(b.shape())) /
-                    std::sqrt(stiffer));
+        if constexpr (law::bounds_each_body) {
+          const auto bound = [&](const material& of) {
+            lower(2 * n + of_bodies,
+                  law::longest_step_of_body(of, sphere_radius(b.shape())) / std::sqrt(stiffer));
+          };
+          const real volume = b.shape().volume();
+          const material& usual = materials[b.material()];
+          if (b.mass() == usual.density * volume) {
+            bound(usual);
+          } else {
+            material own = usual;
+            own.density = b.mass() / volume;
+            bound(own);
+          }
+        }
         return;
       }
     }

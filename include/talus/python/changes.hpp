@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -50,6 +51,7 @@ struct new_body {
   std::array<real, 3> position, velocity, angular_velocity;
   std::array<real, 4> orientation;  ///< x, y, z, w
   std::uint16_t material = 0;       ///< number of the material, in the order of the set-up
+  std::optional<real> mass, density;
 };
 
 /// Calls f(std::type_identity<Shape>{}) for the shape of that name.
@@ -74,6 +76,8 @@ template <class Scenario>
     b.angular_velocity = three(how.angular_velocity);
     b.orientation = quat(q[3], q[0], q[1], q[2]);
     b.material = material_id{how.material};
+    if (how.mass) b.mass = *how.mass;
+    if (how.density) b.density = *how.density;
     const auto made = w.add_if_local(b);
     if (!made)
       fail<std::invalid_argument>("a {} cannot be added at {}: the place is in no domain",

@@ -4,6 +4,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/shape/chord.hpp"
 
 namespace talus {
 
@@ -44,6 +45,14 @@ struct box {
     const real x = std::abs(p[0]) + size[0] / 2, y = std::abs(p[1]) + size[1] / 2,
                z = std::abs(p[2]) + size[2] / 2;
     return std::sqrt(x * x + y * y + z * z);
+  }
+  /// The part of the line p + t d inside it.
+  [[nodiscard]] talus::chord chord(const vec3& p, const vec3& d) const {
+    talus::chord c;
+    for (int k = 0; k < 3; ++k)
+      for (const real sign : {-1., 1.})
+        c = detail::shared(c, detail::chord_below(sign * p[k], sign * d[k], size[k] / 2));
+    return c;
   }
   [[nodiscard]] vec3 half_extents(const pose& at) const {
     const mat3 axes = at.orientation.toRotationMatrix();

@@ -5,6 +5,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/portable_powers.hpp"
+#include "talus/shape/chord.hpp"
 
 namespace talus {
 
@@ -46,6 +47,17 @@ struct capsule {
   /// Distance of the furthest point from the point p.
   [[nodiscard]] real reach_from(const vec3& p) const {
     return portable::hypot(p[0], p[1], std::abs(p[2]) + length / 2) + radius;
+  }
+  /// The part of the line p + t d inside it.
+  [[nodiscard]] talus::chord chord(const vec3& p, const vec3& d) const {
+    talus::chord all = detail::chord_of_cylinder(p, d, radius, length / 2);
+    for (const real end : {-length / 2, length / 2}) {
+      const talus::chord cap = detail::chord_of_ball(p - vec3(0, 0, end), d, radius);
+      if (cap.empty()) continue;
+      all =
+          all.empty() ? cap : talus::chord{std::min(all.from, cap.from), std::max(all.to, cap.to)};
+    }
+    return all;
   }
   [[nodiscard]] vec3 half_extents(const pose& at) const {
     const vec3 end = rotated(at.orientation, vec3(0, 0, length / 2));

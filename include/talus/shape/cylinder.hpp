@@ -5,6 +5,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/portable_powers.hpp"
+#include "talus/shape/chord.hpp"
 
 namespace talus {
 
@@ -45,6 +46,10 @@ struct cylinder {
   /// Distance of the furthest point from the point p.
   [[nodiscard]] real reach_from(const vec3& p) const {
     return portable::hypot(portable::hypot(p[0], p[1]) + radius, std::abs(p[2]) + length / 2);
+  }
+  /// The part of the line p + t d inside it.
+  [[nodiscard]] talus::chord chord(const vec3& p, const vec3& d) const {
+    return detail::chord_of_cylinder(p, d, radius, length / 2);
   }
   [[nodiscard]] vec3 half_extents(const pose& at) const {
     const vec3 axis = rotated(at.orientation, vec3(0, 0, 1));

@@ -2,6 +2,7 @@
 // A ball about the centre of mass. Neither this file nor its pair functions read the orientation.
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/shape/chord.hpp"
 
 namespace talus {
 
@@ -24,6 +25,10 @@ struct sphere {
   [[nodiscard]] vec3 inertia() const { return detail::thrice<real>(real(0.4) * radius * radius); }
   /// Furthest point along `direction` (any length; the centre for a zero direction).
   [[nodiscard]] vec3 support(const vec3& direction) const { return radius * unit(direction); }
+  /// The part of the line p + t d inside it.
+  [[nodiscard]] talus::chord chord(const vec3& p, const vec3& d) const {
+    return detail::chord_of_ball(p, d, radius);
+  }
   [[nodiscard]] vec3 half_extents(const pose&) const { return detail::thrice<real>(radius); }
 
   friend bool operator==(const sphere&, const sphere&) = default;

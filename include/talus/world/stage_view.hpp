@@ -57,9 +57,9 @@ class stage_body {
   [[nodiscard]] const talus::material& material() const {
     return s_.materials[store_.material[i_]];
   }
-  /// By density and volume, also of a fixed body.
+  /// Of a fixed body by density and volume.
   [[nodiscard]] real mass() const requires(shape_type::finite) {
-    return material().density * shape().volume();
+    return detail::mass_of(store_, i_, s_.materials);
   }
   /// The value of a column; its default if this shape does not carry it.
   template <class Column>

@@ -60,9 +60,9 @@ class body_view {
   [[nodiscard]] talus::pose pose() const { return store_->pose(i_); }
   /// Its material: see world.materials().
   [[nodiscard]] material_id material() const { return store_->material[i_]; }
-  /// Mass by density and volume, also of a fixed body.
+  /// Mass; of a fixed body by density and volume.
   [[nodiscard]] real mass() const requires(Shape::finite) {
-    return s_->materials[material()].density * shape().volume();
+    return detail::mass_of(*store_, i_, s_->materials);
   }
   /// Principal moments of inertia in the frame of the body, also of a fixed body.
   [[nodiscard]] vec3 inertia() const requires(Shape::finite) { return mass() * shape().inertia(); }
@@ -130,9 +130,16 @@ class body_view {
       store_->shape[i_].rotate(turn, position());
     s_->template of<Shape>().globals_changed |= global_;
   }
-  /// Makes the body immovable.
+  /// Makes the body immovable. A body with a mass or a density of its own would lose it:
+  /// logic_error.
   void fix() {
     prepare_change("fixation", vec3(0, 0, 0));
+    if constexpr (Shape::finite)
+      if (!is_fixed() && mass() != s_->materials[material()].density * shape().volume())
+        detail::fail<std::logic_error>(
+            "body {} has the mass {} of its own, which a fixed body does not keep: give it a "
+            "material with its density instead of .mass or .density",
+            id(), mass());
     store_->flags[i_] |= detail::flag_fixed;
     store_->inverse_mass[i_] = 0;
     store_->velocity[i_].setZero();

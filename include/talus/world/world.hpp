@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "talus/body/body.hpp"
+#include "talus/body/mass.hpp"
 #include "talus/core/field_names.hpp"
 #include "talus/core/random.hpp"
 #include "talus/core/rounding.hpp"
@@ -339,9 +340,10 @@ class world {
   /// Throws invalid_argument for values out of range and for a position in a foreign domain, and
   /// logic_error for an infinite body outside of a global section.
   template <class Shape>
-  handle<Shape> add(const body<Shape>& b) requires(detail::takes_shape<Scenario, Shape>) {
+  handle<Shape> add(const body<Shape>& given) requires(detail::takes_shape<Scenario, Shape>) {
     if constexpr (detail::require_shape<Scenario, Shape>()) {
-      detail::require_sane(b, state_.materials);
+      detail::require_sane(given, state_.materials, sections_.global);
+      const auto& b = detail::with_own_inertia(given, state_.materials);
       if (sections_.global) return add_global(b);
       if constexpr (!Shape::finite) {
         detail::fail<std::logic_error>(
@@ -396,13 +398,14 @@ class world {
   /// Adds the body on the rank that owns its centre and returns its handle there. All ranks call it
   /// alike, so its id is the same for every number of ranks.
   template <class Shape>
-  std::optional<handle<Shape>> add_if_local(const body<Shape>& b) requires(
+  std::optional<handle<Shape>> add_if_local(const body<Shape>& given) requires(
       detail::takes_shape<Scenario, Shape>) {
     static_assert(Shape::finite,
                   "an infinite body, such as a plane, is known on all ranks: add it in "
                   "world.global([&](auto& scope) { scope.add(plane{}, material); })");
     if constexpr (detail::require_shape<Scenario, Shape>() && Shape::finite) {
-      detail::require_sane(b, state_.materials);
+      detail::require_sane(given, state_.materials);
+      const auto& b = detail::with_own_inertia(given, state_.materials);
       sections_.require_all_ranks("add_if_local", rank());
       sections_.refuse_in_global("add_if_local", rank());
       require_in_box(Shape::name, b.position);

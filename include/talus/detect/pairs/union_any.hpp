@@ -11,6 +11,16 @@ namespace talus {
 
 namespace detail {
 
+/// The pose of a part of a body; of a sphere the position alone.
+template <class Part>
+[[nodiscard, gnu::always_inline]] inline pose pose_of_part(const pose& body, const Part&,
+                                                           const pose& at) {
+  if constexpr (Part::isotropic)
+    return {body.to_world(at.position), {1, 0, 0, 0}};
+  else
+    return combined(body, at);
+}
+
 /// Adds the number of a part to the features of its contacts.
 template <class A, class B, class Sink>
 void collide_parts(const A& a, const pose& pa, const B& b, const pose& pb, real margin,
@@ -33,7 +43,7 @@ requires(!detail::is_union<B> &&
                                                      const B& b, const pose& pb, real margin,
                                                      Sink&& sink) {
   const auto part = [&](std::uint64_t n, const auto& shape, const pose& at) {
-    detail::collide_parts(shape, detail::combined(pa, at), b, pb, margin, n << 32, sink);
+    detail::collide_parts(shape, detail::pose_of_part(pa, shape, at), b, pb, margin, n << 32, sink);
   };
   if constexpr (B::finite) {
     a.each_part_near(pa.to_body(pb.position), b.bounding_radius() + margin, part);
@@ -50,12 +60,13 @@ void collide(const union_of<Parts...>& a, const pose& pa, const union_of<Others.
              const pose& pb, real margin, Sink&& sink) {
   a.each_part_near(pa.to_body(pb.position), b.bounding_radius() + margin,
                    [&](std::uint64_t m, const auto& one, const pose& of_one) {
-                     const pose here = detail::combined(pa, of_one);
+                     const pose here = detail::pose_of_part(pa, one, of_one);
                      b.each_part_near(
                          pb.to_body(here.position), one.bounding_radius() + margin,
                          [&](std::uint64_t n, const auto& other, const pose& of_other) {
-                           detail::collide_parts(one, here, other, detail::combined(pb, of_other),
-                                                 margin, m << 32 | n << 48, sink);
+                           detail::collide_parts(one, here, other,
+                                                 detail::pose_of_part(pb, other, of_other), margin,
+                                                 m << 32 | n << 48, sink);
                          });
                    });
 }

@@ -179,7 +179,7 @@ class vtk_bodies {
     data.put(vtk_shape_number(Shape::name));
     data.put(static_cast<std::uint8_t>(store.fixed(i)));
     data.put(static_cast<std::uint16_t>(store.material[i]));
-    const double mass = s.materials[store.material[i]].density * store.shape[i].volume();
+    const double mass = mass_of(store, i, s.materials);
     data.put(part == 0 ? mass : 0.0);
     data.put(radius_of(shape));
     data.put(size_of(shape));
