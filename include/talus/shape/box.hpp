@@ -4,6 +4,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/shape/convex_form.hpp"
 
 namespace talus {
 
@@ -54,6 +55,8 @@ struct box {
     };
     return {along(0), along(1), along(2)};
   }
+
+  [[nodiscard]] block_form form() const { return {half()}; }
 
   friend bool operator==(const box&, const box&) = default;
 };

@@ -5,6 +5,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/portable_powers.hpp"
+#include "talus/shape/convex_form.hpp"
 
 namespace talus {
 
@@ -51,6 +52,7 @@ struct capsule {
     const vec3 end = rotated(at.orientation, vec3(0, 0, length / 2));
     return {std::abs(end[0]) + radius, std::abs(end[1]) + radius, std::abs(end[2]) + radius};
   }
+  [[nodiscard]] segment_form form() const { return {length / 2, radius}; }
 
   friend bool operator==(const capsule&, const capsule&) = default;
 };

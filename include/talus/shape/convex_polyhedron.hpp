@@ -41,6 +41,7 @@ class convex_polyhedron {
   }
 
   [[nodiscard]] const polyhedron_mesh& mesh() const { return *mesh_; }
+  [[nodiscard]] mesh_form form() const { return {mesh_.get()}; }
   /// The frame of the body in the coordinates of the points.
   [[nodiscard]] const pose& frame() const { return mesh_->measured.frame; }
   /// Corners of the hull in the frame of the body.

@@ -5,6 +5,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/portable_powers.hpp"
+#include "talus/shape/convex_form.hpp"
 
 namespace talus {
 
@@ -53,6 +54,7 @@ struct cylinder {
     };
     return {along(0, 1, 2), along(1, 2, 0), along(2, 0, 1)};
   }
+  [[nodiscard]] drum_form form() const { return {radius, length / 2}; }
 
   friend bool operator==(const cylinder&, const cylinder&) = default;
 };

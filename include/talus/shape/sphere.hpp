@@ -2,6 +2,7 @@
 // A ball about the centre of mass. Neither this file nor its pair functions read the orientation.
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/shape/convex_form.hpp"
 
 namespace talus {
 
@@ -25,6 +26,7 @@ struct sphere {
   /// Furthest point along `direction` (any length; the centre for a zero direction).
   [[nodiscard]] vec3 support(const vec3& direction) const { return radius * unit(direction); }
   [[nodiscard]] vec3 half_extents(const pose&) const { return detail::thrice<real>(radius); }
+  [[nodiscard]] ball_form form() const { return {radius}; }
 
   friend bool operator==(const sphere&, const sphere&) = default;
 };
