@@ -13,6 +13,7 @@
 #include "talus/shape/box.hpp"
 #include "talus/shape/capsule.hpp"
 #include "talus/shape/cylinder.hpp"
+#include "talus/shape/ellipsoid.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
 #include "talus/shape/support_surface.hpp"
@@ -69,6 +70,9 @@ namespace talus {
 
 inline void povray_form(detail::povray_text& out, const sphere& s) {
   out << "sphere{<0,0,0>," << s.radius;
+}
+inline void povray_form(detail::povray_text& out, const ellipsoid& e) {
+  out << "sphere{<0,0,0>,1 scale " << e.radii;
 }
 void povray_form(detail::povray_text& out, const box& b);
 inline void povray_form(detail::povray_text& out, const plane& p) {

@@ -15,6 +15,7 @@ struct box {
   static constexpr bool finite = true;
   static constexpr bool isotropic = false;
   static constexpr const char* name = "box";
+  static constexpr const char* numbers[] = {"x edge", "y edge", "z edge"};
 
   /// Throws invalid_argument unless all three edges are positive and between 1e-120 and 1e120.
   void validate() const {

@@ -17,6 +17,7 @@ struct capsule {
   static constexpr bool finite = true;
   static constexpr bool isotropic = false;
   static constexpr const char* name = "capsule";
+  static constexpr const char* numbers[] = {"radius", "length"};
 
   /// Throws invalid_argument unless radius and length are positive and between 1e-120 and 1e120.
   void validate() const {

@@ -13,6 +13,7 @@ struct sphere {
   static constexpr bool finite = true;
   static constexpr bool isotropic = true;
   static constexpr const char* name = "sphere";
+  static constexpr const char* numbers[] = {"radius"};
 
   /// Throws invalid_argument unless the radius is positive and between 1e-120 and 1e120.
   void validate() const { detail::require_size(radius, "the radius of a sphere"); }

@@ -5,6 +5,9 @@
 // nearest points.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
 
 #include "talus/detect/detail/convex_distance.hpp"
 
@@ -85,7 +88,7 @@ template <class Real, class Pair>
       const vector next = unit_across(n + step);
       const difference_point<Real> p = pair.at(next);
       const Real gap = next.dot(p.w);
-      if (gap >= g - least) {
+      if (gap >= g - Real(1e-14) * scale) {  // (less is lost in rounding errors)
         found.normal = next, found.at = p, found.gap = gap;
         better = true;
       }
@@ -100,12 +103,21 @@ template <class Real, class Pair>
 }
 
 /// What holds the support point of a body while the normal is improved: nothing, if the body is
-/// round there; a corner; or a line, along which the point is free, with a distance around it.
+/// smooth; a corner; a line, along which the point is free, with a distance around it; or the
+/// circle of that radius about `from`, across the line.
 template <class Real>
 struct held_part {
-  int corners = 0;
+  enum class form : std::uint8_t { none, corner, line, circle } kind = form::none;
   vector3<Real> from{0, 0, 0}, to{0, 0, 0};
   Real rounding = 0;
+
+  /// The point furthest along a direction, but for what is free.
+  [[nodiscard]] vector3<Real> furthest(const vector3<Real>& direction) const {
+    if (kind != form::circle) return from;
+    const vector3<Real> axis = to - from;
+    const vector3<Real> across = direction - (axis.dot(direction) / axis.squaredNorm()) * axis;
+    return from + rounding * across.normalized();
+  }
 };
 
 /// Two views, of which one may be held.
@@ -118,8 +130,9 @@ struct held_pair {
 
   [[nodiscard]] difference_point<Real> at(const vector& n) const {
     difference_point<Real> p;
-    p.a = a.corners > 0 ? a.from : vector(pair.a.support(-n) + pair.shift);
-    p.b = b.corners > 0 ? b.from : pair.b.support(n);
+    using form = typename held_part<Real>::form;
+    p.a = a.kind == form::none ? vector(pair.a.support(-n) + pair.shift) : a.furthest(-n);
+    p.b = b.kind == form::none ? pair.b.support(n) : b.furthest(n);
     p.w = p.a - p.b;
     p.w -= line.dot(p.w) * line;
     return p;
@@ -127,7 +140,7 @@ struct held_pair {
   /// By differences, which is good enough: it changes the number of steps, not their end.
   [[nodiscard]] symmetric_2<Real> bend(const vector& n, const difference_point<Real>& p,
                                        const vector& t, const vector& u) const {
-    constexpr Real small = Real(1e-6);
+    constexpr Real small = Real(1e-7);
     const vector along_t = (p.w - at(n + small * t).w) / small;
     const vector along_u =
         line.squaredNorm() > 0 ? vector(0, 0, 0) : vector((p.w - at(n + small * u).w) / small);
@@ -157,7 +170,8 @@ template <class Real>
   std::sort(all, all + size,
             [](const weighed& x, const weighed& y) { return x.weight > y.weight; });
   held_part<Real> part;
-  part.corners = std::min(size, 2);
+  using form = typename held_part<Real>::form;
+  part.kind = size > 1 ? form::line : size > 0 ? form::corner : form::none;
   if (size > 0) part.from = all[0].at;
   if (size > 1) part.to = all[1].at;
   return part;
@@ -168,43 +182,54 @@ template <class Real>
 template <class Real>
 void sharpen(const convex_pair<Real>& pair, core_distance<Real>& best, Real scale) {
   using vector = vector3<Real>;
-  const auto held = [&](const convex_view<Real>& v, vector difference_point<Real>::*which) {
-    held_part<Real> part;
-    if (v.smooth() || v.round_line(best.normal, part.from, part.to, part.rounding)) {
-      part.corners = v.smooth() ? 0 : 2;
-    } else if (!v.curved()) {
-      part = held_by(best.corners, which);
-    }
-    return part;
-  };
+  using form = typename held_part<Real>::form;
   const bool of_a = !pair.a.smooth();
-  held_part<Real> part =
-      of_a ? held(pair.a, &difference_point<Real>::a) : held(pair.b, &difference_point<Real>::b);
-  if (of_a && part.rounding == 0) part.from -= best.shift, part.to -= best.shift;
+  const convex_view<Real>& other = of_a ? pair.a : pair.b;
+  held_part<Real> part;
+  if (other.round_axis(of_a ? best.on_a : best.on_b, part.from, part.to, part.rounding)) {
+    const vector axis = (part.to - part.from).normalized();
+    const Real along = axis.dot(best.normal);
+    const bool level = std::abs(along) < Real(1e-3);
+    // Over a flat end the normal is the axis. (Beside the polygon that stands for its circle.)
+    if (std::abs(along) > 1 - Real(1e-7)) {
+      const vector n = along < 0 ? vector(-axis) : axis;
+      const vector free = of_a ? pair.b.support(n) : vector(pair.a.support(-n) + pair.shift);
+      const vector away = free - part.from, below = away - axis.dot(away) * axis;
+      if (below.squaredNorm() <= part.rounding * part.rounding) {
+        best.normal = n, best.gap = pair.gap_along(n);
+        best.on_a = of_a ? vector(part.from + below) : free;
+        best.on_b = of_a ? free : vector(part.from + below);
+        return;
+      }
+    }
+    part.kind = level ? form::line : form::circle;
+  } else if (!other.smooth()) {
+    part = held_by(best.corners, of_a ? &difference_point<Real>::a : &difference_point<Real>::b);
+    if (of_a) part.from -= best.shift, part.to -= best.shift;
+  }
   const auto attempt = [&] {
     held_pair<Real> search{pair, of_a ? part : held_part<Real>{}, of_a ? held_part<Real>{} : part};
-    if (part.corners == 2) search.line = (part.to - part.from).normalized();
+    if (part.kind == form::line) search.line = (part.to - part.from).normalized();
     const summit_of<Real> s =
         climb<Real>(search, best.normal, search.line, std::numeric_limits<Real>::infinity(), scale);
     if (s.state != climbed::summit || !(s.normal.dot(best.normal) > Real(0.9))) return false;
     vector on_a = s.at.a, on_b = s.at.b;
-    if (part.corners == 2) {
+    if (part.kind == form::line) {
       const Real along = search.line.dot((of_a ? on_b : on_a) - part.from);
       if (!(along >= 0 && along <= (part.to - part.from).norm())) return false;
       (of_a ? on_a : on_b) =
           part.from + along * search.line + (of_a ? -part.rounding : part.rounding) * s.normal;
     }
-    const Real gap = s.gap - (part.corners == 2 ? part.rounding : 0);
+    const Real gap = s.gap - (part.kind == form::line ? part.rounding : 0);
     if (!(pair.gap_along(s.normal) >= gap - Real(1e-12) * scale)) return false;
     best.normal = s.normal, best.gap = gap, best.on_a = on_a, best.on_b = on_b;
     return true;
   };
-  if (attempt() || part.corners != 2) return;
-  // The nearest point is an end of the line.
-  const vector other = part.to;
-  part.corners = part.rounding > 0 ? 0 : 1;
-  if (attempt() || part.corners == 0) return;
-  part.from = other;
+  if (attempt() || part.kind != form::line) return;
+  // The nearest point is at an end of the line.
+  part.kind = part.rounding > 0 ? form::circle : form::corner;
+  if (attempt()) return;
+  std::swap(part.from, part.to);
   (void)attempt();
 }
 

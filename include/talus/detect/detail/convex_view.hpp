@@ -88,13 +88,12 @@ class convex_view {
     return place(local_support(d));
   }
 
-  /// The axis of a cylinder that a plane across `direction` (unit) touches at its round side,
-  /// nearly, and its radius.
-  [[nodiscard]] bool round_line(const vector& direction, vector& from, vector& to,
-                                Real& radius) const {
-    if (kind_ != kind::cylinder || !(std::abs(axes_.col(2).dot(direction)) < Real(1e-3)))
-      return false;
-    from = place({0, 0, -half_[2]}), to = place({0, 0, half_[2]}), radius = half_[0];
+  /// The ends of the axis of a cylinder, first the one that is nearer to the point `p`, and its
+  /// radius; false for other shapes.
+  [[nodiscard]] bool round_axis(const vector& p, vector& from, vector& to, Real& radius) const {
+    if (kind_ != kind::cylinder) return false;
+    const Real near = axes_.col(2).dot(p - centre_) < 0 ? -half_[2] : half_[2];
+    from = place({0, 0, near}), to = place({0, 0, -near}), radius = half_[0];
     return true;
   }
 
