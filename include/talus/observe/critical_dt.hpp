@@ -134,7 +134,7 @@ template <class Scenario>
         lower(2 * n + minus_fall, -fall_to_planes(w, b.position() + below * down, down));
         if constexpr (law::bounds_each_body)
           lower(2 * n + of_bodies,
-                law::longest_step_of_body(materials[b.material()], sphere_radius(b.shape())) /
+                law::longest_step_of_body(materials[b.material()], wave_radius(b.shape())) /
                     std::sqrt(stiffer));
         return;
       }
