@@ -1,5 +1,6 @@
-// Piles of what is neither sphere nor box: capsules, ellipsoids, and unions of three spheres. In talus alone,
-// judged by its own measure of overlaps, which is geometry and not what the solver believes.
+// Piles of what is neither sphere nor box: capsules, ellipsoids, and unions of three spheres. In
+// talus alone, judged by its own measure of overlaps, which is geometry and not what the solver
+// believes.
 #include <array>
 #include <cmath>
 #include <talus/core/clock.hpp>

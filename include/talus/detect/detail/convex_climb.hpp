@@ -71,7 +71,9 @@ template <class Real, class Pair>
     const bool peak =
         determinant(g) > Real(1e-3) * trace * trace * (bound ? Real(0) : Real(1)) && m.aa + g > 0;
     const bool summit = determinant(g) > 0 && m.aa + g > 0;
-    if (rest <= least || (rest < Real(1e-10) * scale && !(rest < Real(0.5) * last))) {
+    // (A step that begins near the maximum ends there to rounding errors.)
+    if (rest <= least ||
+        (rest < Real(1e-10) * scale && (last < Real(1e-8) * scale || !(rest < Real(0.5) * last)))) {
       found.state = summit ? climbed::summit : climbed::lost;
       return found;
     }
