@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "talus/core/math.hpp"
 #include "talus/concepts.hpp"
+#include "talus/core/math.hpp"
 #include "talus/detect/detail/convex_view.hpp"
 
 namespace talus::detail {

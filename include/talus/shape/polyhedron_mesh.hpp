@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "talus/core/bytes.hpp"
+#include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/shared_data.hpp"
