@@ -27,6 +27,7 @@ struct sphere {
   /// Furthest point along `direction` (any length; the centre for a zero direction).
   [[nodiscard]] vec3 support(const vec3& direction) const { return radius * unit(direction); }
   [[nodiscard]] vec3 half_extents(const pose&) const { return detail::thrice<real>(radius); }
+  /// Its faces and edges, for the general contact search.
   [[nodiscard]] ball_form form() const { return {radius}; }
 
   friend bool operator==(const sphere&, const sphere&) = default;
