@@ -72,6 +72,7 @@
 #include "talus/shape/capsule.hpp"
 #include "talus/shape/convex_polyhedron.hpp"
 #include "talus/shape/cylinder.hpp"
+#include "talus/shape/ellipsoid.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"

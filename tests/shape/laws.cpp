@@ -12,6 +12,7 @@
 #include "talus/shape/capsule.hpp"
 #include "talus/shape/convex_polyhedron.hpp"
 #include "talus/shape/cylinder.hpp"
+#include "talus/shape/ellipsoid.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
@@ -125,6 +126,9 @@ TEST_CASE("support, bounds, volume and inertia of a shape agree") {
     const auto inside = [&](const vec3& p) { return at_most((2 * p).cwiseAbs(), size); };
     check_laws(box{.size = size}, inside, 2);
   }
+  for (const vec3& r : {vec3(1, 1, 1), vec3(1, 2, 0.5), vec3(0.1, 0.3, 4)})
+    check_laws(
+        ellipsoid{r}, [r](const vec3& p) { return p.cwiseQuotient(r).norm() <= 1; }, 7);
   for (const auto& [r, l] : {std::pair(1., 1.), std::pair(0.3, 4.), std::pair(5., 0.1)}) {
     const auto in_capsule = [r = r, l = l](const vec3& p) {
       return std::hypot(p[0], p[1], std::max(0., std::abs(p[2]) - l / 2)) <= r;

@@ -7,6 +7,7 @@
 #include "talus/detect/pairs/capsule_capsule.hpp"
 #include "talus/detect/pairs/convex_convex.hpp"
 #include "talus/detect/pairs/cylinder_sphere.hpp"
+#include "talus/detect/pairs/ellipsoid_any.hpp"
 #include "talus/detect/pairs/plane_box.hpp"
 #include "talus/detect/pairs/plane_convex.hpp"
 #include "talus/detect/pairs/plane_sphere.hpp"

@@ -64,6 +64,15 @@ template <class Shape>
     return portable::cbrt(s.volume() * (3 / (4 * pi)));
 }
 
+/// The radius that a Rayleigh wave runs around: the smallest of a body whose thickness differs.
+template <class Shape>
+[[nodiscard]] real wave_radius(const Shape& s) {
+  if constexpr (requires { s.inner_radius(); })
+    return s.inner_radius();
+  else
+    return sphere_radius(s);
+}
+
 /// The curvature that a wall has in the theory of spheres: faces are flat.
 template <class Shape>
 [[nodiscard]] real wall_curvature(const Shape& s) {

@@ -135,7 +135,7 @@ template <class Scenario>
         if constexpr (law::bounds_each_body) {
           const auto bound = [&](const material& of) {
             lower(2 * n + of_bodies,
-                  law::longest_step_of_body(of, sphere_radius(b.shape())) / std::sqrt(stiffer));
+                  law::longest_step_of_body(of, wave_radius(b.shape())) / std::sqrt(stiffer));
           };
           const real volume = b.shape().volume();
           const material& usual = materials[b.material()];

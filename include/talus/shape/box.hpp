@@ -5,6 +5,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/shape/chord.hpp"
+#include "talus/shape/convex_form.hpp"
 
 namespace talus {
 
@@ -15,6 +16,7 @@ struct box {
   static constexpr bool finite = true;
   static constexpr bool isotropic = false;
   static constexpr const char* name = "box";
+  static constexpr const char* numbers[] = {"x edge", "y edge", "z edge"};
 
   /// Throws invalid_argument unless all three edges are positive and between 1e-120 and 1e120.
   void validate() const {
@@ -63,6 +65,9 @@ struct box {
     };
     return {along(0), along(1), along(2)};
   }
+
+  /// Its faces and edges, for the general contact search.
+  [[nodiscard]] block_form form() const { return {half()}; }
 
   friend bool operator==(const box&, const box&) = default;
 };

@@ -6,6 +6,7 @@
 #include "talus/core/math.hpp"
 #include "talus/core/portable_powers.hpp"
 #include "talus/shape/chord.hpp"
+#include "talus/shape/convex_form.hpp"
 
 namespace talus {
 
@@ -17,6 +18,7 @@ struct capsule {
   static constexpr bool finite = true;
   static constexpr bool isotropic = false;
   static constexpr const char* name = "capsule";
+  static constexpr const char* numbers[] = {"radius", "length"};
 
   /// Throws invalid_argument unless radius and length are positive and between 1e-120 and 1e120.
   void validate() const {
@@ -63,6 +65,8 @@ struct capsule {
     const vec3 end = rotated(at.orientation, vec3(0, 0, length / 2));
     return {std::abs(end[0]) + radius, std::abs(end[1]) + radius, std::abs(end[2]) + radius};
   }
+  /// Its faces and edges, for the general contact search.
+  [[nodiscard]] segment_form form() const { return {length / 2, radius}; }
 
   friend bool operator==(const capsule&, const capsule&) = default;
 };

@@ -6,6 +6,7 @@
 #include "talus/core/math.hpp"
 #include "talus/core/portable_powers.hpp"
 #include "talus/shape/chord.hpp"
+#include "talus/shape/convex_form.hpp"
 
 namespace talus {
 
@@ -17,6 +18,7 @@ struct cylinder {
   static constexpr bool finite = true;
   static constexpr bool isotropic = false;
   static constexpr const char* name = "cylinder";
+  static constexpr const char* numbers[] = {"radius", "length"};
 
   /// Throws invalid_argument unless radius and length are positive and between 1e-120 and 1e120.
   void validate() const {
@@ -58,6 +60,8 @@ struct cylinder {
     };
     return {along(0, 1, 2), along(1, 2, 0), along(2, 0, 1)};
   }
+  /// Its faces and edges, for the general contact search.
+  [[nodiscard]] drum_form form() const { return {radius, length / 2}; }
 
   friend bool operator==(const cylinder&, const cylinder&) = default;
 };

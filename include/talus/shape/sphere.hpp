@@ -3,6 +3,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/shape/chord.hpp"
+#include "talus/shape/convex_form.hpp"
 
 namespace talus {
 
@@ -13,6 +14,7 @@ struct sphere {
   static constexpr bool finite = true;
   static constexpr bool isotropic = true;
   static constexpr const char* name = "sphere";
+  static constexpr const char* numbers[] = {"radius"};
 
   /// Throws invalid_argument unless the radius is positive and between 1e-120 and 1e120.
   void validate() const { detail::require_size(radius, "the radius of a sphere"); }
@@ -30,6 +32,8 @@ struct sphere {
     return detail::chord_of_ball(p, d, radius);
   }
   [[nodiscard]] vec3 half_extents(const pose&) const { return detail::thrice<real>(radius); }
+  /// Its faces and edges, for the general contact search.
+  [[nodiscard]] ball_form form() const { return {radius}; }
 
   friend bool operator==(const sphere&, const sphere&) = default;
 };

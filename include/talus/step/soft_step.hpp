@@ -15,6 +15,7 @@
 #include "talus/features/energy_ledger/soft_ledger.hpp"
 #include "talus/ghosts/velocities_of_owners.hpp"
 #include "talus/interaction/composed_law.hpp"
+#include "talus/interaction/local_curvature.hpp"
 #include "talus/interaction/pair_kinematics.hpp"
 #include "talus/motion/integrate.hpp"
 #include "talus/pairs/flush_bodies.hpp"
@@ -196,6 +197,18 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       t.radius = 1 / curvature;
       t.step = s_.dt;
       t.rolling_inertia = 1.4 / rolling;  // of solid spheres about the point of contact
+    }
+
+    if constexpr (has_curvatures<ShapeA> || has_curvatures<ShapeB>) {
+      contact_curvature bent(g.normal);
+      bent.add(a_.shape[i], pose_a(x), -1, A.curvature);
+      real other = 0;
+      if constexpr (paired)
+        other = B->curvature;
+      else if constexpr (ShapeB::finite)
+        other = wall_curvature(b_.shape[j]);
+      bent.add(b_.shape[j], pose_b(x), 1, other);
+      t.radius = bent.radius();
     }
 
     memory_type memory;

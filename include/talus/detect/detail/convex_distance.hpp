@@ -41,6 +41,8 @@ class simplex {
 
  public:
   [[nodiscard]] int size() const { return size_; }
+  [[nodiscard]] const difference_point<Real>& corner(int i) const { return points_[i]; }
+  [[nodiscard]] Real weight(int i) const { return weights_[i]; }
   [[nodiscard]] bool contains(const vector& w) const {
     for (int i = 0; i < size_; ++i)
       if (points_[i].w == w) return true;
@@ -149,6 +151,7 @@ struct core_distance {
   Real gap = 0;
   vector3<Real> normal{0, 0, 0}, on_a{0, 0, 0}, on_b{0, 0, 0};
   simplex<Real> corners;
+  vector3<Real> shift{0, 0, 0};  ///< of a, when the corners were found
 };
 
 /// `beyond` if the distance is more than `limit`, `touching` if it is at most `least` (or the cores

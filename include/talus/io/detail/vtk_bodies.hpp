@@ -2,8 +2,10 @@
 // Bodies as rows of an output: one for each body, or for each part of a union.
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "talus/core/type_list.hpp"
 #include "talus/io/detail/row_table.hpp"
@@ -13,10 +15,32 @@
 
 namespace talus::detail {
 
-/// Shapes by number, as the column `shape` has them.
-inline constexpr std::string_view vtk_shape_names[] = {
-    "sphere", "box", "capsule", "cylinder", "convex_polyhedron", "triangle_mesh"};
-[[nodiscard, gnu::cold]] std::uint8_t vtk_shape_number(std::string_view name);
+/// The names of shapes by number, as the column `shape` has them: six that have their numbers in
+/// all scenarios, then the others of this one.
+class vtk_shapes {
+ public:
+  template <class... Shapes>
+  explicit vtk_shapes(type_list<Shapes...>) {
+    (add(type_list<Shapes>{}), ...);
+  }
+  [[nodiscard, gnu::cold]] std::uint8_t number(std::string_view name) const;
+  /// The names after the first six, one a line.
+  [[nodiscard, gnu::cold]] std::string others() const;
+
+ private:
+  template <class Shape>
+  void add(type_list<Shape>) {
+    if constexpr (Shape::finite) add_name(Shape::name);
+  }
+  template <class... Parts>
+  void add(type_list<union_of<Parts...>>) {
+    (add_name(Parts::name), ...);
+  }
+  [[gnu::cold]] void add_name(std::string_view name);
+
+  std::vector<std::string_view> names_{
+      "sphere", "box", "capsule", "cylinder", "convex_polyhedron", "triangle_mesh"};
+};
 
 /// Lengths of a shape along the axes of its body: the scale factors for a sphere, box or cylinder
 /// of size 1.
@@ -142,6 +166,7 @@ class vtk_bodies {
   }
 
   row_table points{"/VTKHDF"}, data{"/VTKHDF/PointData"};
+  vtk_shapes shapes{typename Scenario::shapes{}};
 
  private:
   template <class... Columns>
@@ -176,7 +201,7 @@ class vtk_bodies {
     data.begin_row(key);
     data.put(value_of(store.id[i]));
     data.put(rank);
-    data.put(vtk_shape_number(Shape::name));
+    data.put(shapes.number(Shape::name));
     data.put(static_cast<std::uint8_t>(store.fixed(i)));
     data.put(static_cast<std::uint16_t>(store.material[i]));
     const double mass = mass_of(store, i, s.materials);

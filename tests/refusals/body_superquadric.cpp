@@ -1,4 +1,4 @@
-// expects: ellipsoid
+// expects: superquadric
 // expects: convex_polyhedron
 // within: 5 lines
 #include "talus/body/body.hpp"
@@ -9,7 +9,7 @@ using namespace talus;
 #ifdef TALUS_CONTROL
 const auto egg = body{.shape = sphere{.radius = 2}};
 #else
-const auto egg = body{.shape = ellipsoid{.radii = {1, 1, 2}}};
+const auto egg = body{.shape = superquadric{.radii = {1, 1, 2}}};
 #endif
 
 int main() {}

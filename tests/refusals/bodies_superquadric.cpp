@@ -1,4 +1,4 @@
-// expects: talus has no ellipsoids: take a convex_polyhedron of points on the surface, or a union_of<sphere>, see
+// expects: talus has no superquadrics: take a convex_polyhedron of points on the surface, or a union_of<sphere>, see
 // docs/not_there.md
 // within: 5 lines
 #include "talus/body/bodies.hpp"
@@ -9,7 +9,7 @@ using namespace talus;
 #ifdef TALUS_CONTROL
 using parts = bodies<sphere, box>;
 #else
-using parts = bodies<sphere, ellipsoid>;
+using parts = bodies<sphere, superquadric>;
 #endif
 
 const parts checked;
