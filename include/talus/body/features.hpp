@@ -23,6 +23,8 @@ struct continuous_collision;
 struct surface_liquid;
 /// Bodies and materials that do not touch each other: <talus/filters.hpp>.
 struct contact_filters;
+/// Contacts that begin and end, impacts, bodies that enter and leave regions: <talus/events.hpp>.
+struct events;
 
 /// Spheres carry an orientation too. (Boxes always do.)
 struct orientation final {
