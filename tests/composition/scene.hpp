@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <talus/checkpoint.hpp>
+#include <talus/events.hpp>
 #include <talus/filters.hpp>
 #include <talus/observe/digest.hpp>
 #include <talus/observe/energy.hpp>

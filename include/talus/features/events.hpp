@@ -1,10 +1,10 @@
 #pragma once
 // features<events>: contacts that begin and end, impacts, and bodies that enter and leave regions.
 //
-// The owner of a body tells the contacts of that body: of a contact of two movable bodies, the owner
-// of the body that comes first in the contact. What touched in the last step is in the memory of the
-// contacts, which migrates with the bodies and is in checkpoints; the regions of a body are in a
-// column.
+// The owner of a body tells the contacts of that body: of a contact of two movable bodies, the
+// owner of the body that comes first in the contact. What touched in the last step is in the memory
+// of the contacts, which migrates with the bodies and is in checkpoints; the regions of a body are
+// in a column.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -40,12 +40,12 @@ enum class event_kind : std::uint8_t {
 /// One event of a step.
 struct event {
   event_kind kind = event_kind::contact_begins;
-  int region = -1;         ///< its number, for `enters` and `leaves`; -1 for contacts
-  system_id a = no_id;     ///< the body, or of a contact the one with the lesser id
-  system_id b = no_id;     ///< the other body of a contact
-  vec3 point{0, 0, 0};     ///< of a contact the point with the largest force; centre of the body
-  real impulse = 0;        ///< of a contact in this step, over all points of the two bodies
-  real speed = 0;          ///< at which the surfaces approached before the step, at most
+  int region = -1;      ///< its number, for `enters` and `leaves`; -1 for contacts
+  system_id a = no_id;  ///< the body, or of a contact the one with the lesser id
+  system_id b = no_id;  ///< the other body of a contact
+  vec3 point{0, 0, 0};  ///< of a contact the point with the largest force; centre of the body
+  real impulse = 0;     ///< of a contact in this step, over all points of the two bodies
+  real speed = 0;       ///< at which the surfaces approached before the step, at most
 
   /// The order of events: by ids, then by kind and region.
   friend bool operator<(const event& x, const event& y) {
@@ -147,8 +147,8 @@ struct events {
       std::set_difference(s.before_.begin(), s.before_.end(), now.begin(), now.end(),
                           std::back_inserter(ended));
       for (const auto& [a, b] : ended) s.of_step_.push_back({event_kind::contact_ends, -1, a, b});
-      const bool strikes = std::max(s.impacts_.impulse, s.impacts_.speed) <
-                           std::numeric_limits<real>::infinity();
+      const bool strikes =
+          std::max(s.impacts_.impulse, s.impacts_.speed) < std::numeric_limits<real>::infinity();
       if (begun.empty() && !strikes) return;
       const std::map<pair, strike> all = contacts(stage);
       const auto tell = [&](event_kind kind, const pair& both, const strike& c) {
@@ -160,8 +160,7 @@ struct events {
       }
       if (!strikes) return;
       // A soft contact lasts many steps: its impact is that of the first.
-      constexpr bool soft =
-          std::remove_cvref_t<decltype(stage)>::scenario_type::contact_law::soft;
+      constexpr bool soft = std::remove_cvref_t<decltype(stage)>::scenario_type::contact_law::soft;
       for (const auto& [both, c] : all)
         if (c.impulse >= s.impacts_.impulse && c.speed >= s.impacts_.speed)
           if (!soft || std::binary_search(begun.begin(), begun.end(), both))

@@ -62,7 +62,8 @@ inline constexpr std::array<const char*, 5> event_names{"contact_begins", "conta
 }  // namespace detail
 
 /// Collective: the events of the last step as columns, on rank 0: kind, id_a, id_b, region,
-/// point_x, point_y, point_z, impulse, speed. An id that an event does not have is the largest number.
+/// point_x, point_y, point_z, impulse, speed. An id that an event does not have is the largest
+/// number.
 template <class Scenario>
 [[nodiscard, gnu::cold]] data_table event_table(world<Scenario>& w) {
   std::vector<event> all = all_events(w);
@@ -71,8 +72,8 @@ template <class Scenario>
   const auto add = [&](const char* name, std::string_view dimension, auto&& value) {
     std::vector<std::remove_cvref_t<decltype(value(event{}))>> values;
     for (const event& e : all) values.push_back(value(e));
-    columns.push_back({name, dimension.empty() ? "" : detail::in_units(dimension, w.units()),
-                       std::move(values)});
+    columns.push_back(
+        {name, dimension.empty() ? "" : detail::in_units(dimension, w.units()), std::move(values)});
   };
   add("kind", "", [](const event& e) {
     return std::string_view(detail::event_names[static_cast<std::size_t>(e.kind)]);

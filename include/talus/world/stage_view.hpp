@@ -156,17 +156,18 @@ class stage_view {
     for (const stage_contact& c : contacts_) f(c);
   }
   /// Calls f(id of a, id of b, counts here) for the contacts that the memory of this rank has of
-  /// bodies that it owns, once for each point: before after_solve those of the last step, then those
-  /// of this one. A hard contact is among them if it carried a force, also while its bodies sleep;
-  /// a soft one as long as its law remembers it. Costs no detection. The memory of a contact
+  /// bodies that it owns, once for each point: before after_solve those of the last step, then
+  /// those of this one. A hard contact is among them if it carried a force, also while its bodies
+  /// sleep; a soft one as long as its law remembers it. Costs no detection. The memory of a contact
   /// migrates with its bodies, and checkpoints hold it.
   template <class F>
   void for_each_touching(F&& f) {
     constexpr bool soft = Scenario::contact_law::soft;
     if constexpr (soft)
-      static_assert(Scenario::contact_law::remembers,
-                    "a feature needs to know which bodies touched in the last step, and this soft "
-                    "contact remembers nothing: add coulomb_friction to its laws");
+      static_assert(
+          Scenario::contact_law::remembers,
+          "for_each_touching takes what contacts remember, and this soft contact remembers "
+          "nothing: add coulomb_friction to soft_contact<...>");
     if (!places_) places_.emplace(s_);
     const auto tell = [&](const auto& e) {
       if constexpr (!soft)
