@@ -114,7 +114,7 @@ TEST_CASE("measure: events") {
     world.gravity({0, 0, -9.81});
     const auto stone = world.material({});
     world.global([&](auto& scope) { scope.add(plane{}, stone); });
-    for (const real x : {-2, -0.5, 0.5})
+    for (const real x : {-2., -0.5, 0.5})
       world.add_if_local(body{.shape = sphere{0.5}, .position = {x, 0, 1.5}, .material = stone});
     std::vector<system_id> passed;
     auto& of_events = world.template feature<events>();

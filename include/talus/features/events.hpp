@@ -32,7 +32,7 @@ namespace talus {
 enum class event_kind : std::uint8_t {
   contact_begins,  ///< a contact carries a force, and its bodies had none in the step before
   contact_ends,    ///< no contact of the two bodies carries a force any longer
-  impact,          ///< a contact above the thresholds of events::state::impacts
+  impact,          ///< a contact has come above the thresholds of events::state::impacts
   enters,          ///< the centre of a body has come into a region
   leaves           ///< it has left the region
 };
@@ -115,7 +115,7 @@ struct events {
     template <class World>
     friend std::array<std::uint64_t, 5> total_events(World& w);
 
-    using pair = std::pair<system_id, system_id>;
+    using touch = std::pair<std::pair<system_id, system_id>, real>;
     struct motion {
       vec3 v{0, 0, 0}, w{0, 0, 0};
     };
@@ -124,7 +124,7 @@ struct events {
     std::vector<std::function<bool(const vec3&)>> regions_;
     std::vector<event> of_step_;
     std::array<std::uint64_t, 5> totals_{};  ///< on this rank, by kind
-    std::vector<pair> before_;               ///< touched in the last step; sorted
+    std::vector<touch> before_;              ///< touched in the last step; sorted
     std::vector<motion> motions_;            ///< before the step, of all known bodies
   };
 
@@ -140,13 +140,15 @@ struct events {
     }
     static void after_solve(auto& stage) {
       auto& s = stage.state();
-      const std::vector<pair> now = touching(stage);
-      std::vector<pair> begun, ended;
+      const std::vector<touch> now = touching(stage);
+      std::vector<touch> begun, ended;
+      const auto by_pair = [](const touch& x, const touch& y) { return x.first < y.first; };
       std::set_difference(now.begin(), now.end(), s.before_.begin(), s.before_.end(),
-                          std::back_inserter(begun));
+                          std::back_inserter(begun), by_pair);
       std::set_difference(s.before_.begin(), s.before_.end(), now.begin(), now.end(),
-                          std::back_inserter(ended));
-      for (const auto& [a, b] : ended) s.of_step_.push_back({event_kind::contact_ends, -1, a, b});
+                          std::back_inserter(ended), by_pair);
+      for (const touch& one : ended)
+        s.of_step_.push_back({event_kind::contact_ends, -1, one.first.first, one.first.second});
       const bool strikes =
           std::max(s.impacts_.impulse, s.impacts_.speed) < std::numeric_limits<real>::infinity();
       if (begun.empty() && !strikes) return;
@@ -154,17 +156,23 @@ struct events {
       const auto tell = [&](event_kind kind, const pair& both, const strike& c) {
         s.of_step_.push_back({kind, -1, both.first, both.second, c.point, c.impulse, c.speed});
       };
-      for (const pair& both : begun) {
-        const auto c = all.find(both);
-        tell(event_kind::contact_begins, both, c == all.end() ? strike{} : c->second);
+      for (const touch& one : begun) {
+        const auto c = all.find(one.first);
+        tell(event_kind::contact_begins, one.first, c == all.end() ? strike{} : c->second);
       }
       if (!strikes) return;
-      // A soft contact lasts many steps: its impact is that of the first.
-      constexpr bool soft = std::remove_cvref_t<decltype(stage)>::scenario_type::contact_law::soft;
+      // An impact may go on in further steps: it is told in the first.
+      const auto comes = [&](const pair& both) {
+        const auto before =
+            std::lower_bound(s.before_.begin(), s.before_.end(), touch(both, -1), by_pair);
+        if (before == s.before_.end() || before->first != both) return true;
+        constexpr bool soft =
+            std::remove_cvref_t<decltype(stage)>::scenario_type::contact_law::soft;
+        return !soft && before->second < s.impacts_.impulse;
+      };
       for (const auto& [both, c] : all)
-        if (c.impulse >= s.impacts_.impulse && c.speed >= s.impacts_.speed)
-          if (!soft || std::binary_search(begun.begin(), begun.end(), both))
-            tell(event_kind::impact, both, c);
+        if (c.impulse >= s.impacts_.impulse && c.speed >= s.impacts_.speed && comes(both))
+          tell(event_kind::impact, both, c);
     }
     static void at_end(auto& stage) {
       auto& s = stage.state();
@@ -175,6 +183,7 @@ struct events {
 
    private:
     using pair = std::pair<system_id, system_id>;
+    using touch = std::pair<pair, real>;
     /// The contacts of two bodies together.
     struct strike {
       vec3 point{0, 0, 0};
@@ -184,14 +193,18 @@ struct events {
     [[nodiscard]] static pair in_order(system_id a, system_id b) {
       return b < a ? pair(b, a) : pair(a, b);
     }
-    /// The pairs that this rank tells.
-    [[nodiscard]] static std::vector<pair> touching(auto& stage) {
-      std::vector<pair> all;
-      stage.for_each_touching([&](system_id a, system_id b, bool counts_here) {
-        if (counts_here) all.push_back(in_order(a, b));
+    /// The pairs that this rank tells, in order, with the impulses of their contacts.
+    [[nodiscard]] static std::vector<touch> touching(auto& stage) {
+      std::vector<touch> points, all;
+      stage.for_each_touching([&](system_id a, system_id b, bool counts_here, real impulse) {
+        if (counts_here) points.push_back({in_order(a, b), impulse});
       });
-      std::sort(all.begin(), all.end());
-      all.erase(std::unique(all.begin(), all.end()), all.end());
+      std::sort(points.begin(), points.end());  // so that sums have the same bits on any ranks
+      for (const touch& one : points)
+        if (all.empty() || all.back().first != one.first)
+          all.push_back(one);
+        else
+          all.back().second += one.second;
       return all;
     }
     [[nodiscard]] static std::map<pair, strike> contacts(auto& stage) {

@@ -155,11 +155,12 @@ class stage_view {
     find_contacts();
     for (const stage_contact& c : contacts_) f(c);
   }
-  /// Calls f(id of a, id of b, counts here) for the contacts that the memory of this rank has of
-  /// bodies that it owns, once for each point: before after_solve those of the last step, then
-  /// those of this one. A hard contact is among them if it carried a force, also while its bodies
-  /// sleep; a soft one as long as its law remembers it. Costs no detection. The memory of a contact
-  /// migrates with its bodies, and checkpoints hold it.
+  /// Calls f(id of a, id of b, counts here, impulse) for the contacts that the memory of this rank
+  /// has of bodies that it owns, once for each point: before after_solve those of the last step,
+  /// then those of this one. The impulse is that of the step, 0 for
+  /// soft contacts. A hard contact is among them if it carried a force, also while its
+  /// bodies sleep; a soft one as long as its law remembers it. Costs no detection. The memory of a
+  /// contact migrates with its bodies, and checkpoints hold it.
   template <class F>
   void for_each_touching(F&& f) {
     constexpr bool soft = Scenario::contact_law::soft;
@@ -179,7 +180,10 @@ class stage_view {
                          moves[k] = !global && !store.fixed(i);
                          own[k] = moves[k] && i < store.locals;
                        });
-      if (own[0] || own[1]) f(e.key.a, e.key.b, moves[0] ? own[0] : own[1]);
+      if (!own[0] && !own[1]) return;
+      real impulse = 0;
+      if constexpr (!soft) impulse = e.memory.norm();
+      f(e.key.a, e.key.b, moves[0] ? own[0] : own[1], impulse);
     };
     for (const entry_type& e : std::as_const(s_.history).entries()) tell(e);
     if constexpr (state_type::sleeps) detail::each_frozen_contact(s_, tell);
