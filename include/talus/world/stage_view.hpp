@@ -157,9 +157,9 @@ class stage_view {
   }
   /// Calls f(id of a, id of b, counts here, impulse) for the contacts that the memory of this rank
   /// has of bodies that it owns, once for each point: before after_solve those of the last step,
-  /// then those of this one. The impulse is that of the step, 0 for soft contacts. A hard contact is
-  /// among them if it carried a force, also while its bodies sleep; a soft one as long as its law
-  /// remembers it. Costs no detection. The memory of a contact migrates with its bodies, and
+  /// then those of this one. The impulse is that of the step, 0 for soft contacts. A hard contact
+  /// is among them if it carried a force, also while its bodies sleep; a soft one as long as its
+  /// law remembers it. Costs no detection. The memory of a contact migrates with its bodies, and
   /// checkpoints hold it.
   template <class F>
   void for_each_touching(F&& f) {
