@@ -8,6 +8,8 @@
 #include <limits>
 #include <talus/adhesion.hpp>
 #include <talus/checkpoint.hpp>
+#include <talus/events.hpp>
+#include <talus/filters.hpp>
 #include <talus/liquid.hpp>
 #include <talus/mesh.hpp>
 #include <talus/observe.hpp>
@@ -75,6 +77,58 @@ double lowest_of(World& world) {
 }
 
 }  // namespace
+
+TEST_CASE("build: which bodies touch") {
+  using apart = scenario<bodies<sphere, plane>, hard_contact<>, decomposition<grid<dynamic>>,
+                         features<contact_filters>>;
+  on_ranks<apart>(2, [](auto& world) {
+    world.decompose({.lower = {-3}, .upper = {3}});
+    world.gravity({0, 0, -9.81});
+    const auto stone = world.material({}), floor_material = world.material({});
+    world.global([&](auto& scope) { scope.add(plane{}, floor_material); });
+    const auto add = [&](real x, real z) {
+      return world.add_if_local(
+          body{.shape = sphere{0.5}, .position = {x, 0, z}, .material = stone});
+    };
+    const auto first = add(-1, 0.5), second = add(-1, 1.7), third = add(1, 0.5);
+    add(1, 1.7);
+    world.synchronize();
+    auto& filters = world.template feature<contact_filters>();
+    filters.ignore(contact_group{1}, contact_group{2});
+    filters.only_between(stone, floor_material);
+    keep_apart(world, first, second);  // handles, or empty optional handles, on all ranks
+    if (third) world[*third].template set<contact_groups>(1u << 3);
+    world.simulate({.steps = 100, .dt = 0.01});
+    CHECK(lowest_of(world) == doctest::Approx(0.5).epsilon(0.02));
+    double highest = 0;
+    world.for_each_local([&](const auto& b) { highest = std::max(highest, b.position()[2]); });
+    CHECK(highest == doctest::Approx(0.5).epsilon(0.02));
+  });
+}
+
+TEST_CASE("measure: events") {
+  using told = scenario<bodies<sphere, plane>, hard_contact<>, decomposition<grid<dynamic>>,
+                        features<events>>;
+  on_ranks<told>(2, [](auto& world) {
+    world.decompose({.lower = {-3}, .upper = {3}});
+    world.gravity({0, 0, -9.81});
+    const auto stone = world.material({});
+    world.global([&](auto& scope) { scope.add(plane{}, stone); });
+    for (const real x : {-2., -0.5, 0.5})
+      world.add_if_local(body{.shape = sphere{0.5}, .position = {x, 0, 1.5}, .material = stone});
+    std::vector<system_id> passed;
+    auto& of_events = world.template feature<events>();
+    of_events.impacts({.speed = 2});
+    const int gate = of_events.region(box_region{{-1, -1, 0}, {1, 1, 1}});
+    world.after_each_step("events", [&] {
+      for (const event& e : all_events(world))
+        if (e.kind == event_kind::enters && e.region == gate) passed.push_back(e.a);
+    });
+    world.simulate({.steps = 100, .dt = 0.01});
+    CHECK(passed.size() == 2);
+    CHECK(total_events(world)[2] == 3);
+  });
+}
 
 TEST_CASE("build: a box of grains with a size distribution") {
   on_ranks<grains>(2, [](auto& world) {

@@ -43,6 +43,29 @@ class Worlds(unittest.TestCase):
                 self.assertEqual(mine[name], said[name], name)
             self.assertEqual(world.kinetic_energy, said["kinetic_energy"])
 
+    def test_events_are_those_of_each_step(self):
+        world = mechanism.World(steps=600)
+        told = []
+        while world.steps < 250:
+            world.step()
+            events = world.event_table()
+            told += zip(events["kind"].tolist(), events["id_a"].tolist(), events["id_b"].tolist())
+            for k, kind in enumerate(events["kind"]):
+                if kind == "impact":
+                    self.assertGreaterEqual(events["speed"][k], 2)
+        kinds = [kind for kind, _, _ in told]
+        self.assertEqual(kinds.count("impact"), 2)  # the first sphere lies on the ground
+        touching = set()
+        for kind, a, b in told:
+            if kind == "contact_begins":
+                self.assertNotIn((a, b), touching)
+                touching.add((a, b))
+            elif kind == "contact_ends":
+                touching.remove((a, b))
+        contacts = world.contact_table()
+        self.assertEqual({tuple(sorted(pair)) for pair in zip(contacts["id_a"].tolist(), contacts["id_b"].tolist())},
+                         touching)
+
     def test_tables_have_columns_of_one_dimension(self):
         world = mechanism.World(steps=600)
         empty = world.contact_table()

@@ -253,6 +253,8 @@ void migrate_and_refresh(world_state<Scenario>& s) {
     require_all_here(s);
     run_hooks<ghost_stages::ghosts_renewed>(s);
   }
+  if constexpr (world_state<Scenario>::filters)
+    if (s.changed) s.found.known = false;  // a hook has changed bodies
   s.changed = false;
   run_hooks<ghost_stages::after_ghosts>(s);
 }

@@ -65,6 +65,13 @@ namespace detail {
 /// Stands for shared_memory if no shape shares data.
 struct no_shared_memory {};
 
+/// The revision of the states of filters at the last search for pairs.
+struct filter_revision {
+  bool known = false;
+  std::uint64_t revision = 0;
+};
+struct no_filter_revision {};
+
 /// Messages between this rank and one of its neighbours, and migrated bodies; see
 /// ghosts/messages.hpp.
 struct message_channel {
@@ -173,6 +180,8 @@ struct state_traits {
   static constexpr bool sleeps = contains_type<typename Scenario::features, sleeping>;
   /// Whether cuts between domains move.
   static constexpr bool balances = contains_type<typename Scenario::features, balancing>;
+  /// Whether a feature keeps pairs of bodies apart.
+  static constexpr bool filters = some_filter_pairs<typename Scenario::features>;
   /// Whether global bodies may be moved.
   static constexpr bool drives = contains_type<typename Scenario::features, driven>;
   /// Whether bodies may be joined.
@@ -335,6 +344,8 @@ struct world_state : response_state<Scenario>,
   [[no_unique_address]] std::conditional_t<traits::two_solvers, bool, no_choice>
       solver_on_request{};
   candidate_pairs found;
+  [[no_unique_address]] std::conditional_t<traits::filters, filter_revision, no_filter_revision>
+      filtered;
   [[no_unique_address]] std::conditional_t<traits::may_be_flush, flush_bodies, no_flush_bodies>
       flush;
 

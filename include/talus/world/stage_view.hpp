@@ -138,7 +138,7 @@ class stage_view {
   void for_each_known(F&& f) const {
     std::size_t number = 0;
     s_.each_shape([&](const auto& b) {
-      using store = std::remove_reference_t<decltype(b.movable)>;
+      using store = const std::remove_reference_t<decltype(b.movable)>;
       const auto each = [&](store& bodies, bool global) {
         for (std::size_t i = 0; i < bodies.size(); ++i)
           f(stage_body<Scenario, store, columns>(s_, bodies, i, global, number++));
@@ -155,6 +155,45 @@ class stage_view {
   void for_each_contact(F&& f) {
     find_contacts();
     for (const stage_contact& c : contacts_) f(c);
+  }
+  /// Calls f(id of a, id of b, counts here, impulse) for the contacts that the memory of this rank
+  /// has of bodies that it owns, once for each point: before after_solve those of the last step,
+  /// then those of this one. The impulse is that of the step, 0 for soft contacts. A hard contact
+  /// is among them if it carried a force, also while its bodies sleep; a soft one as long as its
+  /// law remembers it. Costs no detection. The memory of a contact migrates with its bodies, and
+  /// checkpoints hold it.
+  template <class F>
+  void for_each_touching(F&& f) {
+    constexpr bool soft = Scenario::contact_law::soft;
+    if constexpr (soft)
+      static_assert(
+          Scenario::contact_law::remembers,
+          "for_each_touching takes what contacts remember, and this soft contact remembers "
+          "nothing: add coulomb_friction to soft_contact<...>");
+    if (!places_) places_.emplace(s_);
+    const auto tell = [&](const auto& e) {
+      bool own[2] = {false, false}, moves[2] = {true, true};
+      for (const int k : {0, 1})
+        places_->visit(k == 0 ? e.key.a : e.key.b,
+                       [&](const auto& store, std::size_t i, bool global) {
+                         moves[k] = !global && !store.fixed(i);
+                         own[k] = moves[k] && i < store.locals;
+                       });
+      if (!own[0] && !own[1]) return;
+      real impulse = 0;
+      if constexpr (!soft) impulse = e.memory.norm();
+      f(e.key.a, e.key.b, moves[0] ? own[0] : own[1], impulse);
+    };
+    std::vector<const entry_type*> chosen;
+    const auto choose = [&](const entry_type& e) {
+      if constexpr (!soft)
+        if (e.memory[0] == 0 && e.memory[1] == 0 && e.memory[2] == 0) return;
+      chosen.push_back(&e);
+    };
+    for (const entry_type& e : std::as_const(s_.history).entries()) choose(e);
+    if constexpr (state_type::sleeps) detail::each_frozen_contact(s_, choose);
+    detail::sort_by_key(chosen);
+    for (const entry_type* e : chosen) tell(*e);
   }
   /// Calls f(contact_memory) for the memories that `Law` has of contacts that act on a movable body
   /// owned here and for which select(memory) holds, in an order that depends on the ids of the

@@ -94,6 +94,7 @@ class body_view {
                   "has it to the features<...> of the scenario");
     prepare_change(Column::name, vec3(0, 0, 0));
     store_->template column<Column>()[i_] = value;
+    if constexpr (state_type::filters) s_->template of<Shape>().globals_changed |= global_;
   }
   /// A fixed body stays in place, but carries along the bodies that touch it, as a belt does.
   void set_velocity(const vec3& v) {
