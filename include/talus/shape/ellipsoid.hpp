@@ -5,6 +5,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/shape/chord.hpp"
 #include "talus/shape/convex_form.hpp"
 
 namespace talus {
@@ -45,6 +46,13 @@ struct ellipsoid {
     if (!(length > 0)) return {0, 0, 0};
     return {radii[0] * stretched[0] / length, radii[1] * stretched[1] / length,
             radii[2] * stretched[2] / length};
+  }
+  /// The part of the line p + t d inside it.
+  [[nodiscard]] talus::chord chord(const vec3& p, const vec3& d) const {
+    const auto over_radii = [&](const vec3& x) {
+      return vec3(x[0] / radii[0], x[1] / radii[1], x[2] / radii[2]);
+    };
+    return detail::chord_of_ball(over_radii(p), over_radii(d), 1);
   }
   [[nodiscard]] vec3 half_extents(const pose& at) const {
     const mat3 axes = at.orientation.toRotationMatrix();
