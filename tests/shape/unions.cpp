@@ -10,6 +10,7 @@
 #include "talus/shape/capsule.hpp"
 #include "talus/shape/convex_polyhedron.hpp"
 #include "talus/shape/cylinder.hpp"
+#include "talus/shape/ellipsoid.hpp"
 #include "talus/shape/sphere.hpp"
 #include "talus/shape/union_of.hpp"
 
@@ -184,6 +185,16 @@ TEST_CASE("parts of other shapes that overlap weigh their true volume to 1e-6") 
   // What only touches, side by side, counts in full.
   const some blocks({{.shape = box{{1, 1, 1}}}, {.shape = box{{1, 1, 1}}, .at = {{1, 0, 0}}}});
   CHECK(blocks.volume() == 2);
+}
+
+TEST_CASE("an ellipsoid shares its volume with other parts once") {
+  using eggs = union_of<sphere, ellipsoid>;
+  const pose turned{{0.4, 0.3, -0.2}, rotation({1, 2, 3}, 0.7)};
+  check_same_moments(eggs({{.shape = ellipsoid{{1, 1, 1}}}, {.shape = sphere{0.8}, .at = turned}}),
+                     eggs({{.shape = sphere{1}}, {.shape = sphere{0.8}, .at = turned}}), 1e-6);
+  check_same_moments(
+      eggs({{.shape = ellipsoid{{2, 1, 1.5}}, .at = turned}, {.shape = sphere{0.9}, .at = turned}}),
+      eggs({{.shape = ellipsoid{{2, 1, 1.5}}, .at = turned}}), 1e-6);
 }
 
 TEST_CASE("a symmetric clump keeps its axes, and equal unions are computed once") {
