@@ -1,8 +1,8 @@
 // long
 // timeout: 300
 // Structures that stand or fall by a closed form, at the default settings: overhanging blocks,
-// leaning cards, the semicircular arch of wedges, tall boxes, and the wave that runs through
-// dominoes. (More on four ranks, and arches of little friction: structures_long.cpp.)
+// leaning cards, tall boxes, and the wave that runs through dominoes. (Arches: arches.cpp;
+// more on four ranks, and arches of little friction: structures_long.cpp.)
 #include <doctest/doctest.h>
 
 #include "structures.hpp"
@@ -31,15 +31,6 @@ TEST_CASE(
     check_stands("cards" + on(ranks), "a house of seven", true,
                  watch(ranks, 3, [](auto& w) { cards::house(w, 20 * degree, 0.6); }), 1);
   }
-}
-
-TEST_CASE("a semicircular arch of wedges stands at 1.02 and falls at 0.98 of the least thickness") {
-  const int ranks = 1;
-  for (const auto& [n, least] : {std::pair{18, 0.105964}, std::pair{20, 0.10746}})
-    for (const real part : {0.98, 1.02})
-      check_stands("arch" + on(ranks), fmt::format("{} wedges at {:.2f}", n, part), part > 1,
-                   watch(ranks, part > 1 ? 3 : 6, [&](auto& w) { arch(w, n, part * least, 0.7); }),
-                   1);
 }
 
 TEST_CASE("a tall box on an incline slides, tips or stays as mu, b/h and the angle say") {

@@ -108,17 +108,13 @@ struct cards {
   }
 };
 
-/// Semicircular arch with centre line of radius 1 on the floor, joints radial.
-inline void arch(world_type& w, int n, real thickness, real friction) {
-  need_accuracy(w);
-  const auto m = w.material({.friction = friction});
-  w.gravity({0, 0, -g});
-  w.global([&](auto& s) { s.add(plane{}, m); });
+/// Semicircular arch with centre line of radius 1 on the floor at this y, joints radial.
+inline void add_arch(world_type& w, material_id m, int n, real thickness, real y0) {
   for (int k = 0; k < n; ++k) {
     std::vector<vec3> corners;
     for (const int joint : {k, k + 1})
       for (const real r : {1 - thickness / 2, 1 + thickness / 2})
-        for (const real y : {-0.15, 0.15}) {
+        for (const real y : {y0 - 0.15, y0 + 0.15}) {
           // The two springings are level to the last bit.
           const real angle = pi * joint / n;
           const real z = joint == 0 || joint == n ? 0 : r * std::sin(angle);
@@ -129,6 +125,14 @@ inline void arch(world_type& w, int n, real thickness, real friction) {
     w.add_if_local(body{
         .shape = wedge, .position = at.position, .material = m, .orientation = at.orientation});
   }
+}
+
+inline void arch(world_type& w, int n, real thickness, real friction) {
+  need_accuracy(w);
+  const auto m = w.material({.friction = friction});
+  w.gravity({0, 0, -g});
+  w.global([&](auto& s) { s.add(plane{}, m); });
+  add_arch(w, m, n, thickness, 0);
 }
 
 /// Speeds of the wave through thirty dominoes of height `unit`, thickness 0.1, width 0.5, distance
