@@ -38,10 +38,6 @@ pose over(const A& a, const quat& turn, const B& b, const pose& pb, const vec3& 
   at.position = support(b, pb, n) + gap * n - support(a, at, -n);
   return at;
 }
-real smallest_curvature_radius(const ellipsoid& e) {
-  const real least = e.radii.minCoeff();
-  return least * least / e.radii.maxCoeff();
-}
 /// Axes between 1e-4 and 1, of which one is 1 and often one 1e-4.
 ellipsoid thin(generator& random) {
   const auto axis = [&] { return random(0, 1) < 0.3 ? 1e-4 : std::pow(10., random(-4, 0)); };
@@ -92,7 +88,7 @@ TEST_CASE("needles and discs of all kinds have the normal and the gap with which
     const ellipsoid a = thin(random), b = thin(random);
     const vec3 n = random.direction();
     const pose pb{random.point(1), random.turn()};
-    const real unique = smallest_curvature_radius(a) + smallest_curvature_radius(b);
+    const real unique = a.smallest_curvature_radius() + b.smallest_curvature_radius();
     const real gaps[] = {1e-2, 1e-6, 0, -0.3 * unique};
     const real gap = gaps[seed % 4];
     const pose pa = over(a, random.turn(), b, pb, n, gap);
@@ -114,7 +110,7 @@ TEST_CASE("overlaps of discs are the least ones, below and beyond the smallest c
     generator random{std::mt19937_64(seed)};
     const real b_axis = seed % 3 ? 1 : random(0.05, 1);
     const ellipsoid disc{{1, b_axis, 0.05}};
-    const real unique = 2 * smallest_curvature_radius(disc);
+    const real unique = 2 * disc.smallest_curvature_radius();
     const pose pb{random.point(1), random.turn()};
     // Rims, sides, and all between them.
     const vec3 local =

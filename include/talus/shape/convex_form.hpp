@@ -42,12 +42,14 @@ struct smooth_form {
   vec3 (*support)(const void*, const vec3& direction) = nullptr;
   real thickness = 0;  ///< half of the smallest, about
   real inner = 0;      ///< radius of a ball about the origin that is inside
+  real sharpest = 0;   ///< smallest radius of curvature, about
   [[nodiscard]] int corners() const { return 1; }
 };
 
 namespace detail {
 
-/// The form of a convex shape: its own, or a smooth one. The shape outlives it.
+/// The form of a convex shape: its own, or a smooth one. The shape outlives it. A smooth shape that
+/// does not give its smallest radius of curvature has that of an ellipsoid of its size.
 template <class Shape>
 [[nodiscard]] auto form_of(const Shape& s) {
   if constexpr (requires { s.form(); }) {
@@ -58,6 +60,10 @@ template <class Shape>
                   }};
     f.thickness = s.half_extents(pose{}).minCoeff();
     if constexpr (requires { s.inner_radius(); }) f.inner = s.inner_radius();
+    if constexpr (requires { s.smallest_curvature_radius(); })
+      f.sharpest = s.smallest_curvature_radius();
+    else
+      f.sharpest = f.thickness * (f.thickness / s.bounding_radius());
     return f;
   }
 }

@@ -72,8 +72,9 @@ class convex_contact {
   [[nodiscard]] Real size() const {
     return (a_.centre() - b_.centre()).norm() + smallest_ + rounding_;
   }
-  /// Two bodies without faces and edges, unless they overlap deeply. Where they are apart or
-  /// nearly touch, the normal is unique.
+  /// Two bodies without faces and edges, unless they overlap deeply. The gap along a normal has one
+  /// maximum as long as the depth is below the sum of the smallest radii of curvature: the
+  /// difference of the bodies is then that sum around a convex body without the origin.
   [[nodiscard]] bool by_climbing(const convex_pair<Real>& pair) {
     const vector between = a_.centre() - b_.centre();
     if (!(between.squaredNorm() > 0)) return false;
@@ -81,7 +82,8 @@ class convex_contact {
     const summit_of<Real> s =
         climb<Real>(search, between, vector::Zero(), margin_ + rounding_, size());
     if (s.state == climbed::beyond) return true;
-    if (s.state == climbed::lost || s.gap < Real(-0.1) * smallest_) return false;
+    const Real unique = Real(0.5) * (a_.sharpest() + b_.sharpest());
+    if (s.state == climbed::lost || s.gap < -std::min(Real(0.1) * smallest_, unique)) return false;
     single(s.normal, s.at.a, s.at.b, s.gap - rounding_);
     return true;
   }
