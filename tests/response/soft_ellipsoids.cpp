@@ -1,9 +1,13 @@
-// Soft contacts of ellipsoids have the force of Hertz's theory for two curvatures.
+// Soft contacts of ellipsoids have the force of Hertz's theory for two curvatures, and adhere up to
+// the gap at which the neck of those curvatures tears.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <talus/adhesion.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/shape/ellipsoid.hpp>
+#include <talus/world/each_contact.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;
@@ -79,4 +83,38 @@ TEST_CASE("a disc presses on a plane with its sharp rim") {
   const real of_larger = force_on_plane(sphere{1}, {1, 0, 0, 0}, 0.9999);
   CHECK(force > of_ball);
   CHECK(force < of_larger);
+}
+
+TEST_CASE("an adhering ellipsoid tears off where the neck of its flat side tears") {
+  using scene = scenario<bodies<ellipsoid, plane>, soft_contact<jkr_adhesion>, transport<serial>>;
+  const real work = 1, flat = 5, edge = 0.2 * 0.2;  // radii of curvature
+  for (const bool on_edge : {false, true}) {
+    CAPTURE(on_edge);
+    serial::link link;
+    world<scene> w(link);
+    // So heavy that the contact does not slow it down.
+    const auto stuff = w.material(
+        {.density = 1e8, .restitution = 1, .youngs_modulus = modulus, .poisson_ratio = poisson});
+    w.interaction(stuff, stuff, jkr_adhesion::given{.work_of_adhesion = work});
+    w.global([&](auto& scope) { scope.add(plane{}, stuff); });
+    const real half = on_edge ? 1 : 0.2, speed = 0.1, dt = 1e-5;
+    const ellipsoid disc{on_edge ? vec3(0.2, 0.2, 1) : vec3(1, 1, 0.2)};
+    w.add(body{.shape = disc,
+               .position = {0, 0, half - 5e-5},
+               .material = stuff,
+               .velocity = {0, 0, speed}});
+    real least = 0, last = 0, gap = 0;
+    for (int k = 0; k < 800; ++k) {
+      w.step(dt);
+      for_each_contact(w, [&](const loaded_contact& c) {
+        last = c.normal_force(), gap = c.gap;
+        least = std::min(least, last);
+      });
+    }
+    const real radius = on_edge ? edge : flat;
+    const auto p = w.interaction<jkr_adhesion>(stuff, stuff);
+    CHECK(least == doctest::Approx(-1.5 * pi * work * radius).epsilon(1e-3));
+    CHECK(last == doctest::Approx(-5. / 6 * pi * work * radius).epsilon(0.25));
+    CHECK(gap == doctest::Approx(jkr_adhesion::range(p, radius)).epsilon(0.02));
+  }
 }

@@ -10,10 +10,12 @@
 namespace talus::detail {
 
 /// Shapes that have their radii of curvature where they touch: `bend(direction)` is the derivative
-/// of their support function along a unit direction.
+/// of their support function along a unit direction, and `largest_curvature_radius()` bounds the
+/// radii.
 template <class Shape>
 concept has_curvatures = requires(const Shape& s, const vec3& direction) {
   { s.bend(direction) } -> std::convertible_to<mat3>;
+  { s.largest_curvature_radius() } -> std::convertible_to<real>;
 };
 
 /// The radius of the sphere that presses into a plane with the same force at the same overlap as
