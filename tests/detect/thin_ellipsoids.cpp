@@ -38,6 +38,21 @@ pose over(const A& a, const quat& turn, const B& b, const pose& pb, const vec3& 
   at.position = support(b, pb, n) + gap * n - support(a, at, -n);
   return at;
 }
+/// An ellipsoid of which only the support function is known.
+struct egg {
+  ellipsoid inside;
+
+  static constexpr bool finite = true;
+  static constexpr bool isotropic = false;
+  static constexpr const char* name = "egg";
+  void validate() const { inside.validate(); }
+  [[nodiscard]] real bounding_radius() const { return inside.bounding_radius(); }
+  [[nodiscard]] real volume() const { return inside.volume(); }
+  [[nodiscard]] vec3 inertia() const { return inside.inertia(); }
+  [[nodiscard]] vec3 support(const vec3& d) const { return inside.support(d); }
+  [[nodiscard]] vec3 half_extents(const pose& at) const { return inside.half_extents(at); }
+  friend bool operator==(const egg&, const egg&) = default;
+};
 /// Axes between 1e-4 and 1, of which one is 1 and often one 1e-4.
 ellipsoid thin(generator& random) {
   const auto axis = [&] { return random(0, 1) < 0.3 ? 1e-4 : std::pow(10., random(-4, 0)); };
@@ -103,6 +118,32 @@ TEST_CASE("needles and discs of all kinds have the normal and the gap with which
     CHECK(std::abs(c.gap - gap) < 1e-14);
   }
   MESSAGE("largest error of a normal over its bound ", worst);
+}
+
+TEST_CASE("thin shapes known by their support functions alone are apart by no more than they are") {
+  real worst = 0, turned = 0;
+  int rough = 0;
+  for (std::uint64_t seed = 1; seed <= 4000; ++seed) {
+    generator random{std::mt19937_64(seed)};
+    const egg a{thin(random)}, b{thin(random)};
+    const vec3 n = random.direction();
+    const pose pb{random.point(1), random.turn()};
+    const real gap = seed % 2 ? 1e-2 : 1e-5;
+    const pose pa = over(a, random.turn(), b, pb, n, gap);
+    const contacts found = find(a, pa, b, pb, 0.1);
+    CAPTURE(seed);
+    REQUIRE(found.size() == 1);
+    const contact_geometry& c = found[0];
+    CHECK(std::abs(c.normal.norm() - 1) < 1e-12);
+    // The true gap is the largest of all directions.
+    CHECK(c.gap < gap + 1e-13);
+    CHECK(c.gap > -1e-6);
+    CHECK(gap_along(a, pa, b, pb, c.normal) > c.gap - 1e-12);
+    worst = std::max(worst, gap - c.gap), turned = std::max(turned, (c.normal - n).norm());
+    rough += gap - c.gap > 1e-10;
+  }
+  MESSAGE("gap too small by ", worst, " at most, ", rough, " by more than 1e-10; normals ", turned);
+  CHECK(rough < 40);
 }
 
 TEST_CASE("overlaps of discs are the least ones, below and beyond the smallest curvature") {
