@@ -58,8 +58,10 @@ template <class Shape>
     smooth_form f{&s, [](const void* shape, const vec3& direction) -> vec3 {
                     return static_cast<const Shape*>(shape)->support(direction);
                   }};
-    f.thickness = s.half_extents(pose{}).minCoeff();
-    if constexpr (requires { s.inner_radius(); }) f.inner = s.inner_radius();
+    if constexpr (requires { s.inner_radius(); })
+      f.inner = f.thickness = s.inner_radius();
+    else
+      f.thickness = s.half_extents(pose{}).minCoeff();
     if constexpr (requires { s.smallest_curvature_radius(); })
       f.sharpest = s.smallest_curvature_radius();
     else

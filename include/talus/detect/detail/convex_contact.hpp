@@ -32,17 +32,18 @@ class convex_contact {
         smallest_(std::min(a.smallest(), b.smallest())) {}
 
   /// The points with a gap of at most the margin, at most 16. (A list, so that this is compiled
-  /// once for all uses of the points.)
-  [[nodiscard]] std::span<const contact_geometry> find() {
+  /// once for all uses of the points.) Without `climb` the pair has been refused by a function of
+  /// its own that begins with the normal, as two smooth bodies do here.
+  [[nodiscard]] std::span<const contact_geometry> find(bool climb = true) {
     size_ = 0;
-    search();
+    search(climb);
     return {found_.data(), size_};
   }
 
  private:
   static constexpr Real level_ = Real(0.005);
 
-  void search() {
+  void search(bool climb) {
     const face_axis of_a = best_face(a_, b_), of_b = best_face(b_, a_);
     if (of_a.gap > margin_ || of_b.gap > margin_) return;
     const bool by_b = of_a.face < 0 || of_b.gap > of_a.gap + tolerance(of_a.gap);
@@ -52,7 +53,7 @@ class convex_contact {
     if (face.gap >= -level_ * smallest_ && by_face(face, by_b, face.gap)) return;
 
     const convex_pair<Real> pair{a_, b_};
-    if (a_.featureless() && b_.featureless() && by_climbing(pair)) return;
+    if (climb && a_.featureless() && b_.featureless() && by_climbing(pair)) return;
     core_distance<Real> nearest = distance_of<Real>(pair, a_.centre() - b_.centre(),
                                                     Real(1e-6) * smallest_, margin_ + rounding_);
     if (nearest.state == separation::beyond) return;

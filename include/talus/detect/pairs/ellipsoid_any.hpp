@@ -132,7 +132,7 @@ void collide(const ellipsoid& a, const pose& pa, const ellipsoid& b, const pose&
   const Real unique = std::min(Real(0.1) * smallest, Real(0.5) * (a.smallest_curvature_radius() +
                                                                   b.smallest_curvature_radius()));
   if (!detail::touch_ellipsoid<Real>(pair, 0, smallest, unique, pa.position, margin, sink))
-    collide_convex(a, pa, b, pb, margin, sink);
+    detail::collide_views<Real>(a, pa, b, pb, margin, sink, false);
 }
 
 /// Calls `sink(contact_geometry)` if the gap is at most `margin`. Reads no orientation of the
@@ -150,7 +150,7 @@ void collide(const ellipsoid& a, const pose& pa, const sphere& b, const pose& pb
   // (A tenth of the smaller radius is below half of the larger one and a radius of curvature.)
   if (!detail::touch_ellipsoid<Real>(pair, b.radius, smallest, Real(0.1) * smallest, pa.position,
                                      margin, sink))
-    collide_convex(a, pa, b, pb, margin, sink);
+    detail::collide_views<Real>(a, pa, b, pb, margin, sink, false);
 }
 
 }  // namespace talus
