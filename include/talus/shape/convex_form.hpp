@@ -1,6 +1,6 @@
 #pragma once
-// The flat faces and straight edges of a convex shape, as the general contact search needs them. The
-// member `form()` of a shape returns one of them, as that of convex_polyhedron does with the
+// The flat faces and straight edges of a convex shape, as the general contact search needs them.
+// The member `form()` of a shape returns one of them, as that of convex_polyhedron does with the
 // mesh_form of polyhedron_mesh.hpp; a shape without that member is smooth: its support function is
 // all that is known of it.
 #include <utility>
