@@ -1,5 +1,5 @@
-// Lenses fall into a bowl of walls, beside spheres, boxes and pairs of lenses glued to dumb-bells:
-// a shape of one's own, which is all in lens.hpp.
+// Lenses fall into a bowl of walls, beside spheres, boxes and dumb-bells of two lenses with a
+// sphere between them. The lens is a shape of one's own, which is all in lens.hpp.
 #include <talus/checkpoint.hpp>
 #include <talus/mpi.hpp>
 #include <talus/vtk.hpp>

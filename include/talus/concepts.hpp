@@ -121,7 +121,10 @@ concept finite_shape = shape<Shape> && Shape::finite &&
 /// picture. (Not a union of parts, and not a surface of triangles, which have routines of their
 /// own.) Optional members make it faster, or better:
 /// - `form()`: its flat faces and straight edges, one of the forms of shape/convex_form.hpp
-/// - `inner_radius()`: of a ball about the centre of mass inside the shape
+/// - `inner_radius()`: of a ball about the centre of mass inside the shape; without it, its bounds
+///   are computed for each pair
+/// - `smallest_curvature_radius()`: overlaps of smooth shapes up to it have one normal only, which
+///   is found without a search for others
 /// - `numbers`: the names of its numbers, in the order of its members, for checkpoints and Python
 template <class Shape>
 concept convex_shape = finite_shape<Shape> && !requires(const Shape& s) {

@@ -30,7 +30,7 @@ def names_of_shapes(file):
     if not file.has("VTKHDF/FieldData/own_shapes"):
         return SHAPES
     with blaming(file.path, "VTKHDF/FieldData/own_shapes"):
-        own = bytes(file.array("VTKHDF/FieldData/own_shapes", "u")).decode().split()
+        own = bytes(file.array("VTKHDF/FieldData/own_shapes", "u")).decode().splitlines()
     return SHAPES[:-1] + tuple(own)
 
 

@@ -31,6 +31,11 @@ real level(const ellipsoid& e, const pose& at, const vec3& p) {
                    (x[1] * x[1]) / (e.radii[1] * e.radii[1]) +
                    (x[2] * x[2]) / (e.radii[2] * e.radii[2]));
 }
+/// The outward unit normal at a point of the surface.
+vec3 outward(const ellipsoid& e, const pose& at, const vec3& p) {
+  const vec3 x = at.to_body(p);
+  return at.orientation * x.cwiseQuotient(e.radii.cwiseProduct(e.radii)).normalized();
+}
 vec3 support(const ellipsoid& e, const pose& at, const vec3& d) {
   return at.to_world(e.support(at.orientation.conjugate() * d));
 }
@@ -109,6 +114,8 @@ TEST_CASE("the nearest points of ellipsoids lie on both surfaces, with one norma
           1e-13);
     CHECK((support(a, pa, -c.normal) - on_a).norm() < 1e-12);
     CHECK((support(b, pb, c.normal) - on_b).norm() < 1e-12);
+    CHECK((outward(a, pa, on_a) + c.normal).norm() < 1e-11);
+    CHECK((outward(b, pb, on_b) - c.normal).norm() < 1e-11);
     // No other direction is better.
     for (int k = 0; k < 20; ++k) {
       const vec3 n = (c.normal + random(0, 1) * random.direction()).normalized();
@@ -145,14 +152,15 @@ TEST_CASE("the nearest points of an ellipsoid and any other shape are exact") {
     const contact_geometry& c = found[0];
     ++all;
     const vec3 on_a = c.point + 0.5 * c.gap * c.normal, on_b = c.point - 0.5 * c.gap * c.normal;
-    CHECK(std::abs(c.normal.dot(support(a, pa, -c.normal) - b.support(c.normal)) - c.gap) < 1e-6);
-    const bool good =
-        (support(a, pa, -c.normal) - on_a).norm() < 1e-11 && std::abs(b.outside(on_b)) < 1e-11;
-    CHECK(good);
+    CHECK(std::abs(c.normal.dot(support(a, pa, -c.normal) - b.support(c.normal)) - c.gap) < 1e-12);
+    CHECK((support(a, pa, -c.normal) - on_a).norm() < 1e-11);
+    CHECK((outward(a, pa, on_a) + c.normal).norm() < 1e-9);
+    CHECK(std::abs(b.outside(on_b)) < 1e-12);
+    CHECK(std::abs(c.normal.dot(b.support(c.normal) - on_b)) < 1e-12);
     // No other direction is better.
     for (int k = 0; k < 20; ++k) {
       const vec3 n = (c.normal + random(0, 0.3) * random.direction()).normalized();
-      CHECK(n.dot(support(a, pa, -n) - b.support(n)) <= c.gap + 1e-6);
+      CHECK(n.dot(support(a, pa, -n) - b.support(n)) <= c.gap + 1e-12);
     }
   }
   MESSAGE(all, " pairs");

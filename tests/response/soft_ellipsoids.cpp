@@ -1,9 +1,13 @@
-// Soft contacts of ellipsoids have the force of Hertz's theory for two curvatures.
+// Soft contacts of ellipsoids have the force of Hertz's theory for two curvatures, and adhere up to
+// the gap at which the neck of those curvatures tears.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <talus/adhesion.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/shape/ellipsoid.hpp>
+#include <talus/world/each_contact.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;
@@ -25,14 +29,24 @@ real force_on_plane(const Shape& s, const quat& turn, real height) {
   w.step(1e-12);
   return w[it].velocity()[2] * s.volume() / 1e-12;
 }
-/// The integral of f over a quarter of a circle.
+/// The integral of f over all of 0 < u, by trapezoids, for f that falls off as exp(-u) at least.
 template <class F>
-real quarter(F&& f) {
-  real sum = 0;
-  const int n = 2000;
-  for (int k = 0; k < n; ++k) sum += f((k + 0.5) * pi / 2 / n);
-  return sum * pi / 2 / n;
+real half_line(F&& f) {
+  const real h = 0.01;
+  real sum = f(0.) / 2;
+  for (int k = 1; k < 6000; ++k) sum += f(k * h);
+  return sum * h;
 }
+/// The complete elliptic integrals, with sinh u for the tangent of the angle.
+struct elliptic_integrals {
+  real K = 0, E = 0;
+
+  explicit elliptic_integrals(real k) {
+    const auto root = [&](real u) { return std::hypot(1, k * std::sinh(u)); };
+    K = half_line([&](real u) { return 1 / root(u); });
+    E = half_line([&](real u) { return root(u) / (std::cosh(u) * std::cosh(u)); });
+  }
+};
 
 }  // namespace
 
@@ -41,11 +55,10 @@ TEST_CASE("an ellipsoid presses on a plane as Hertz's theory of elliptic contact
   const real overlap = 1e-4;
   CHECK(force_on_plane(ellipsoid{{1, 1, 1}}, {1, 0, 0, 0}, 1 - overlap) ==
         doctest::Approx(force_on_plane(sphere{1}, {1, 0, 0, 0}, 1 - overlap)).epsilon(1e-9));
-  for (const real k : {0.8, 0.5, 0.3}) {  // ratio of the axes of the ellipse of contact
+  // Ratios of the axes of the ellipse of contact; those of the radii are up to 1e8.
+  for (const real k : {0.8, 0.5, 0.3, 0.1, 0.01, 3e-3, 1e-3, 1e-4, 3.0426e-5}) {
     const real e2 = 1 - k * k;
-    const real K =
-        quarter([&](real x) { return 1 / std::sqrt(1 - e2 * std::sin(x) * std::sin(x)); });
-    const real E = quarter([&](real x) { return std::sqrt(1 - e2 * std::sin(x) * std::sin(x)); });
+    const auto [K, E] = elliptic_integrals(k);
     const real long_side = E / (k * k) - K, short_side = K - E;
     const real ratio = long_side / short_side;  // of the radii (Johnson, Contact Mechanics, 4.2)
     const real f1 = std::cbrt(4 / (pi * e2) * std::pow(k, 1.5) * std::sqrt(long_side * short_side));
@@ -54,10 +67,54 @@ TEST_CASE("an ellipsoid presses on a plane as Hertz's theory of elliptic contact
     const real b = 1, a = std::sqrt(ratio), c = 1.3;
     const real mean = a * b / c;
     const real wanted = 4. / 3 * stiff * std::sqrt(mean) * std::pow(overlap / f2, 1.5);
+    CAPTURE(ratio);
     CHECK(force_on_plane(ellipsoid{{a, b, c}}, rotation({0, 0, 1}, 0.4), c - overlap) ==
-          doctest::Approx(wanted).epsilon(5e-3));
-    // Lying on another side, with the same two radii in other places.
+          doctest::Approx(wanted).epsilon(1e-7));
+    // The same with the axes exchanged: the body stands on its first axis.
     CHECK(force_on_plane(ellipsoid{{c, a, b}}, rotation(vec3(1, 1, 1).normalized(), -2 * pi / 3),
-                         c - overlap) == doctest::Approx(wanted).epsilon(5e-3));
+                         c - overlap) == doctest::Approx(wanted).epsilon(1e-7));
+  }
+}
+
+TEST_CASE("a disc presses on a plane with its sharp rim") {
+  // (The radii at the rim are 1 and 3.6e-5.)
+  const real force = force_on_plane(ellipsoid{{1, 1, 0.006}}, rotation({0, 1, 0}, pi / 2), 0.9999);
+  const real of_ball = force_on_plane(sphere{0.006 * 0.006}, {1, 0, 0, 0}, 0.006 * 0.006 - 1e-4);
+  const real of_larger = force_on_plane(sphere{1}, {1, 0, 0, 0}, 0.9999);
+  CHECK(force > of_ball);
+  CHECK(force < of_larger);
+}
+
+TEST_CASE("an adhering ellipsoid tears off where the neck of its flat side tears") {
+  using scene = scenario<bodies<ellipsoid, plane>, soft_contact<jkr_adhesion>, transport<serial>>;
+  const real work = 1, flat = 5, edge = 0.2 * 0.2;  // radii of curvature
+  for (const bool on_edge : {false, true}) {
+    CAPTURE(on_edge);
+    serial::link link;
+    world<scene> w(link);
+    // So heavy that the contact does not slow it down.
+    const auto stuff = w.material(
+        {.density = 1e8, .restitution = 1, .youngs_modulus = modulus, .poisson_ratio = poisson});
+    w.interaction(stuff, stuff, jkr_adhesion::given{.work_of_adhesion = work});
+    w.global([&](auto& scope) { scope.add(plane{}, stuff); });
+    const real half = on_edge ? 1 : 0.2, speed = 0.1, dt = 1e-5;
+    const ellipsoid disc{on_edge ? vec3(0.2, 0.2, 1) : vec3(1, 1, 0.2)};
+    w.add(body{.shape = disc,
+               .position = {0, 0, half - 5e-5},
+               .material = stuff,
+               .velocity = {0, 0, speed}});
+    real least = 0, last = 0, gap = 0;
+    for (int k = 0; k < 800; ++k) {
+      w.step(dt);
+      for_each_contact(w, [&](const loaded_contact& c) {
+        last = c.normal_force(), gap = c.gap;
+        least = std::min(least, last);
+      });
+    }
+    const real radius = on_edge ? edge : flat;
+    const auto p = w.interaction<jkr_adhesion>(stuff, stuff);
+    CHECK(least == doctest::Approx(-1.5 * pi * work * radius).epsilon(1e-3));
+    CHECK(last == doctest::Approx(-5. / 6 * pi * work * radius).epsilon(0.25));
+    CHECK(gap == doctest::Approx(jkr_adhesion::range(p, radius)).epsilon(0.02));
   }
 }

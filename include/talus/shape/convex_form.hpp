@@ -1,6 +1,6 @@
 #pragma once
-// The flat faces and straight edges of a convex shape, as the general contact search needs them. A
-// shape says which of these forms it has by a member `form()`, as convex_polyhedron does with the
+// The flat faces and straight edges of a convex shape, as the general contact search needs them.
+// The member `form()` of a shape returns one of them, as that of convex_polyhedron does with the
 // mesh_form of polyhedron_mesh.hpp; a shape without that member is smooth: its support function is
 // all that is known of it.
 #include <utility>
@@ -42,12 +42,14 @@ struct smooth_form {
   vec3 (*support)(const void*, const vec3& direction) = nullptr;
   real thickness = 0;  ///< half of the smallest, about
   real inner = 0;      ///< radius of a ball about the origin that is inside
+  real sharpest = 0;   ///< smallest radius of curvature, about
   [[nodiscard]] int corners() const { return 1; }
 };
 
 namespace detail {
 
-/// The form of a convex shape: its own, or a smooth one. The shape outlives it.
+/// The form of a convex shape: its own, or a smooth one. The shape outlives it. A smooth shape that
+/// does not give its smallest radius of curvature has that of an ellipsoid of its size.
 template <class Shape>
 [[nodiscard]] auto form_of(const Shape& s) {
   if constexpr (requires { s.form(); }) {
@@ -56,8 +58,14 @@ template <class Shape>
     smooth_form f{&s, [](const void* shape, const vec3& direction) -> vec3 {
                     return static_cast<const Shape*>(shape)->support(direction);
                   }};
-    f.thickness = s.half_extents(pose{}).minCoeff();
-    if constexpr (requires { s.inner_radius(); }) f.inner = s.inner_radius();
+    if constexpr (requires { s.inner_radius(); })
+      f.inner = f.thickness = s.inner_radius();
+    else
+      f.thickness = s.half_extents(pose{}).minCoeff();
+    if constexpr (requires { s.smallest_curvature_radius(); })
+      f.sharpest = s.smallest_curvature_radius();
+    else
+      f.sharpest = f.thickness * (f.thickness / s.bounding_radius());
     return f;
   }
 }

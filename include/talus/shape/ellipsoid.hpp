@@ -30,6 +30,14 @@ struct ellipsoid {
   [[nodiscard]] real bounding_radius() const { return radii.maxCoeff(); }
   /// Radius of the largest ball about the centre that is inside.
   [[nodiscard]] real inner_radius() const { return radii.minCoeff(); }
+  /// At the ends of the longest axis.
+  [[nodiscard]] real smallest_curvature_radius() const {
+    return radii.minCoeff() * (radii.minCoeff() / radii.maxCoeff());
+  }
+  /// At the ends of the shortest axis.
+  [[nodiscard]] real largest_curvature_radius() const {
+    return radii.maxCoeff() * (radii.maxCoeff() / radii.minCoeff());
+  }
   /// Volume.
   [[nodiscard]] real volume() const { return 4 * pi / 3 * radii[0] * radii[1] * radii[2]; }
   /// Principal moments per unit mass: (b² + c²) / 5 about the axis of radius a, and so on.

@@ -147,14 +147,18 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
           }
         });
   }
-  /// The range beyond touch of the law for this pair.
+  /// The range beyond touch of the law for this pair: for shapes with curvatures, where they are
+  /// flattest; the law itself ends where it should.
   [[nodiscard]] real range_of(const body_pair& x) const {
     const std::size_t i = x.i, j = x.j;
     if constexpr (!law::reaches) {
       return (void)i, (void)j, 0;
     } else {
       real curvature = s_.soft.bodies[first_a_ + i].curvature;
-      if constexpr (paired)
+      if constexpr (has_curvatures<ShapeA>) curvature = 1 / widest_radius(a_.shape[i]);
+      if constexpr (has_curvatures<ShapeB>)
+        curvature += 1 / widest_radius(b_.shape[j]);
+      else if constexpr (paired)
         curvature += s_.soft.bodies[first_b_ + body_b(x)].curvature;
       else if constexpr (ShapeB::finite)
         curvature += wall_curvature(b_.shape[j]);

@@ -34,7 +34,9 @@ struct summit_of {
 /// along n with their difference, from which a component along `line` (a unit vector, or zero) is
 /// removed; normals stay across the line. `pair.bend(n, p, t, u)` gives minus the derivative of the
 /// difference along the tangents t and u. The result is `beyond` as soon as the gap of any normal
-/// is above `limit`; `lost` if this is no maximum within 1e-10 of `scale` (a length).
+/// is above `limit`; `lost` if this is no maximum, with the difference along the normal within
+/// 1e-10 of `scale` (a length). The normal is as exact as rounding errors allow: they turn it by
+/// that of the difference over the smallest radius of curvature plus the gap.
 template <class Real, class Pair>
 [[nodiscard]] summit_of<Real> climb(const Pair& pair, const vector3<Real>& start,
                                     const vector3<Real>& line, Real limit, Real scale) {
@@ -48,7 +50,7 @@ template <class Real, class Pair>
   found.at = pair.at(found.normal);
   found.gap = found.normal.dot(found.at.w);
   const Real least = Real(4e-16) * scale;
-  Real last = std::numeric_limits<Real>::infinity();
+  Real last = std::numeric_limits<Real>::infinity(), turn = last;
   for (int k = 0; k < 30; ++k) {
     if (found.gap > limit) {
       found.state = climbed::beyond;
@@ -63,26 +65,26 @@ template <class Real, class Pair>
     const Real rest = std::abs(rt) + std::abs(ru);
     symmetric_2<Real> m = pair.bend(n, found.at, t, u);
     if (bound) m.ab = 0, m.bb = 1;
-    const Real trace = m.aa + m.bb, g = found.gap;
+    const Real g = found.gap;
     const auto determinant = [&](Real shift) {
       return (m.aa + shift) * (bound ? Real(1) : m.bb + shift) - m.ab * m.ab;
     };
     // Below zero, the gap lowers the curvature of the function: away from its maximum it is added.
-    const bool peak =
-        determinant(g) > Real(1e-3) * trace * trace * (bound ? Real(0) : Real(1)) && m.aa + g > 0;
     const bool summit = determinant(g) > 0 && m.aa + g > 0;
-    // (A step that begins near the maximum ends there to rounding errors.)
-    if (rest <= least ||
-        (rest < Real(1e-10) * scale && (last < Real(1e-8) * scale || !(rest < Real(0.5) * last)))) {
-      found.state = summit ? climbed::summit : climbed::lost;
-      return found;
-    }
-    last = rest;
-    const Real shift = peak || (g >= 0 && summit) ? g : std::abs(g) + Real(1e-3) * scale;
+    const bool peak = summit && (g >= 0 || determinant(g) > Real(1e-3) * determinant(0));
+    const Real shift = peak ? g : std::abs(g) + Real(1e-3) * scale;
     const Real d = determinant(shift), sb = bound ? Real(1) : m.bb + shift;
     vector step = ((sb * rt - m.ab * ru) / d) * t;
     if (!bound) step += (((m.aa + shift) * ru - m.ab * rt) / d) * u;
     const Real length = step.norm();
+    // The step is the error of the normal: a sharp tip needs a smaller rest than a flat side.
+    const bool near = rest < Real(1e-10) * scale,
+               exact = rest < Real(1e-13) * scale && length < Real(1e-12);
+    if (rest <= least || (near && (exact || !(rest < Real(0.5) * last) || !(length < turn)))) {
+      found.state = summit ? climbed::summit : climbed::lost;
+      return found;
+    }
+    last = rest, turn = length;
     if (!(length < Real(1e10))) return found;
     if (length > Real(0.7)) step *= Real(0.7) / length;
     bool better = false;
@@ -97,7 +99,7 @@ template <class Real, class Pair>
       step *= Real(0.35);
     }
     if (!better) {
-      found.state = rest < Real(1e-10) * scale && summit ? climbed::summit : climbed::lost;
+      found.state = near && summit ? climbed::summit : climbed::lost;
       return found;
     }
   }
@@ -139,13 +141,18 @@ struct held_pair {
     p.w -= line.dot(p.w) * line;
     return p;
   }
-  /// By differences, which is good enough: it changes the number of steps, not their end.
+  /// By differences, which is good enough: it changes the number of steps, not their end. They are
+  /// wider about a sharp tip, where a small one is lost in rounding errors.
   [[nodiscard]] symmetric_2<Real> bend(const vector& n, const difference_point<Real>& p,
                                        const vector& t, const vector& u) const {
-    constexpr Real small = Real(1e-7);
-    const vector along_t = (p.w - at(n + small * t).w) / small;
-    const vector along_u =
-        line.squaredNorm() > 0 ? vector(0, 0, 0) : vector((p.w - at(n + small * u).w) / small);
+    const auto along = [&](const vector& tangent) {
+      vector change = (p.w - at(n + Real(1e-7) * tangent).w) / Real(1e-7);
+      const Real size = p.a.cwiseAbs().maxCoeff() + p.b.cwiseAbs().maxCoeff();
+      if (change.cwiseAbs().maxCoeff() < Real(1e-5) * size)
+        change = (p.w - at(n + Real(1e-5) * tangent).w) / Real(1e-5);
+      return change;
+    };
+    const vector along_t = along(t), along_u = line.squaredNorm() > 0 ? vector(0, 0, 0) : along(u);
     // (Their true matrix is positive semidefinite.)
     return {std::max(Real(0), t.dot(along_t)), Real(0.5) * (t.dot(along_u) + u.dot(along_t)),
             std::max(Real(0), u.dot(along_u))};

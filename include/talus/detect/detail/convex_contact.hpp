@@ -32,17 +32,18 @@ class convex_contact {
         smallest_(std::min(a.smallest(), b.smallest())) {}
 
   /// The points with a gap of at most the margin, at most 16. (A list, so that this is compiled
-  /// once for all uses of the points.)
-  [[nodiscard]] std::span<const contact_geometry> find() {
+  /// once for all uses of the points.) Without `climb` the pair has been refused by a function of
+  /// its own that begins with the normal, as two smooth bodies do here.
+  [[nodiscard]] std::span<const contact_geometry> find(bool climb = true) {
     size_ = 0;
-    search();
+    search(climb);
     return {found_.data(), size_};
   }
 
  private:
   static constexpr Real level_ = Real(0.005);
 
-  void search() {
+  void search(bool climb) {
     const face_axis of_a = best_face(a_, b_), of_b = best_face(b_, a_);
     if (of_a.gap > margin_ || of_b.gap > margin_) return;
     const bool by_b = of_a.face < 0 || of_b.gap > of_a.gap + tolerance(of_a.gap);
@@ -52,7 +53,7 @@ class convex_contact {
     if (face.gap >= -level_ * smallest_ && by_face(face, by_b, face.gap)) return;
 
     const convex_pair<Real> pair{a_, b_};
-    if (a_.featureless() && b_.featureless() && by_climbing(pair)) return;
+    if (climb && a_.featureless() && b_.featureless() && by_climbing(pair)) return;
     core_distance<Real> nearest = distance_of<Real>(pair, a_.centre() - b_.centre(),
                                                     Real(1e-6) * smallest_, margin_ + rounding_);
     if (nearest.state == separation::beyond) return;
@@ -72,8 +73,9 @@ class convex_contact {
   [[nodiscard]] Real size() const {
     return (a_.centre() - b_.centre()).norm() + smallest_ + rounding_;
   }
-  /// Two bodies without faces and edges, unless they overlap deeply. Where they are apart or
-  /// nearly touch, the normal is unique.
+  /// Two bodies without faces and edges, unless they overlap deeply. The gap along a normal has one
+  /// maximum as long as the depth is below the sum of the smallest radii of curvature: the
+  /// difference of the bodies is then that sum around a convex body without the origin.
   [[nodiscard]] bool by_climbing(const convex_pair<Real>& pair) {
     const vector between = a_.centre() - b_.centre();
     if (!(between.squaredNorm() > 0)) return false;
@@ -81,7 +83,8 @@ class convex_contact {
     const summit_of<Real> s =
         climb<Real>(search, between, vector::Zero(), margin_ + rounding_, size());
     if (s.state == climbed::beyond) return true;
-    if (s.state == climbed::lost || s.gap < Real(-0.1) * smallest_) return false;
+    const Real unique = Real(0.5) * (a_.sharpest() + b_.sharpest());
+    if (s.state == climbed::lost || s.gap < -std::min(Real(0.1) * smallest_, unique)) return false;
     single(s.normal, s.at.a, s.at.b, s.gap - rounding_);
     return true;
   }

@@ -127,6 +127,8 @@ class convex_view {
   }
   /// Radius of a ball around the centre inside the core.
   [[nodiscard]] Real inner_radius() const { return inner_; }
+  /// Smallest radius of curvature of a smooth core, about.
+  [[nodiscard]] Real sharpest() const { return smooth() ? smooth_.sharpest : Real(0); }
   /// Distance of a face's plane from the centre.
   [[nodiscard]] Real offset(int face) const {
     if (kind_ == kind::mesh) return mesh_->offsets[static_cast<std::size_t>(face)];

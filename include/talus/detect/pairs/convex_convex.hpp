@@ -21,6 +21,16 @@ inline constexpr bool convex_in_order = form_type<A>::order != form_type<B>::ord
                                             ? form_type<A>::order < form_type<B>::order
                                             : type_text<A>() <= type_text<B>();
 
+/// The contacts of two posed shapes; `climb` as of convex_contact::find().
+template <class Real, class A, class B, class Sink>
+void collide_views(const A& a, const pose& pa, const B& b, const pose& pb, Real margin, Sink&& sink,
+                   bool climb) {
+  const convex_view<Real> view_a(form_of(a), pose{vec3(0, 0, 0), pa.orientation}),
+      view_b(form_of(b), pose{pb.position - pa.position, pb.orientation});
+  convex_contact<Real> contact(view_a, view_b, pa.position, margin);
+  for (const contact_geometry& c : contact.find(climb)) sink(c);
+}
+
 }  // namespace detail
 
 /// Calls `sink(contact_geometry)` for the points with a gap of at most `margin`: up to 16 where a
@@ -37,10 +47,7 @@ requires(concepts::convex_shape<A>&& concepts::convex_shape<B>&&
   const vector3<Real> apart = pb.position - pa.position;
   const Real reach = a.bounding_radius() + b.bounding_radius() + margin;
   if (!(apart.squaredNorm() <= reach * reach)) return;
-  const detail::convex_view<Real> view_a(detail::form_of(a), pose{vec3(0, 0, 0), pa.orientation}),
-      view_b(detail::form_of(b), pose{apart, pb.orientation});
-  detail::convex_contact<Real> contact(view_a, view_b, pa.position, margin);
-  for (const contact_geometry& c : contact.find()) sink(c);
+  detail::collide_views<Real>(a, pa, b, pb, margin, sink, true);
 }
 
 }  // namespace talus

@@ -1,8 +1,8 @@
 #pragma once
 // Ellipsoids with planes, spheres and each other. (The general routine gives the same contacts to
 // rounding errors, at several times the cost.)
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/detect/detail/convex_climb.hpp"
@@ -82,11 +82,11 @@ struct ellipsoid_pair {
 };
 
 /// The contact of an ellipsoid and another one, or a point with a ball of `rounding` around it, in
-/// the frame whose origin is `origin`; false if they overlap so deeply that this is not certain to
-/// be the shallowest way out.
+/// the frame whose origin is `origin`; false if they overlap by more than `unique`, so that this is
+/// not certain to be the shallowest way out (convex_contact.hpp).
 template <class Real, class Sink>
 [[nodiscard]] bool touch_ellipsoid(const ellipsoid_pair<Real>& pair, Real rounding, Real smallest,
-                                   const vec3& origin, Real margin, Sink& sink) {
+                                   Real unique, const vec3& origin, Real margin, Sink& sink) {
   using vector = vector3<Real>;
   const vector start = pair.start(rounding), between = pair.a.centre - pair.other;
   if (!(start.squaredNorm() > 0)) return false;
@@ -94,7 +94,7 @@ template <class Real, class Sink>
   const summit_of<Real> s = climb<Real>(pair, start, vector::Zero(), margin + rounding, size);
   if (s.state == climbed::beyond) return true;
   const Real gap = s.gap - rounding;
-  if (s.state == climbed::lost || gap < Real(-0.1) * smallest) return false;
+  if (s.state == climbed::lost || gap < -unique) return false;
   if (gap <= margin)
     sink(contact_geometry{s.normal, origin + Real(0.5) * (s.at.a + s.at.b + rounding * s.normal),
                           gap, 0});
@@ -129,8 +129,10 @@ void collide(const ellipsoid& a, const pose& pa, const ellipsoid& b, const pose&
       mb(b, pb.orientation, apart);
   const detail::ellipsoid_pair<Real> pair{ma, &mb, apart};
   const Real smallest = std::min(a.inner_radius(), b.inner_radius());
-  if (!detail::touch_ellipsoid<Real>(pair, 0, smallest, pa.position, margin, sink))
-    collide_convex(a, pa, b, pb, margin, sink);
+  const Real unique = std::min(Real(0.1) * smallest, Real(0.5) * (a.smallest_curvature_radius() +
+                                                                  b.smallest_curvature_radius()));
+  if (!detail::touch_ellipsoid<Real>(pair, 0, smallest, unique, pa.position, margin, sink))
+    detail::collide_views<Real>(a, pa, b, pb, margin, sink, false);
 }
 
 /// Calls `sink(contact_geometry)` if the gap is at most `margin`. Reads no orientation of the
@@ -145,8 +147,10 @@ void collide(const ellipsoid& a, const pose& pa, const sphere& b, const pose& pb
   const detail::ellipsoid_matrix<Real> ma(a, pa.orientation, vector(0, 0, 0));
   const detail::ellipsoid_pair<Real> pair{ma, nullptr, apart};
   const Real smallest = std::min(a.inner_radius(), b.radius);
-  if (!detail::touch_ellipsoid<Real>(pair, b.radius, smallest, pa.position, margin, sink))
-    collide_convex(a, pa, b, pb, margin, sink);
+  // (A tenth of the smaller radius is below half of the larger one and a radius of curvature.)
+  if (!detail::touch_ellipsoid<Real>(pair, b.radius, smallest, Real(0.1) * smallest, pa.position,
+                                     margin, sink))
+    detail::collide_views<Real>(a, pa, b, pb, margin, sink, false);
 }
 
 }  // namespace talus

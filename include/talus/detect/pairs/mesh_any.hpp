@@ -115,6 +115,7 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
   const pose there = detail::combined(back, pb);
   const real size = b.bounding_radius();
   const vec3 reach = b.half_extents(there) + vec3(margin, margin, margin);
+  const auto form = detail::form_of(b);
   detail::flat_polyhedron flat;
   detail::felt_points felt(real(1e-6) * size);
   detail::level_patches level(size, m.bounding_radius);
@@ -122,7 +123,7 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
     const vec3 middle = pa.to_world(flat.become(m, t));
     const detail::convex_view<real> view_a(mesh_form{&flat.mesh()},
                                            pose{vec3(0, 0, 0), pa.orientation}),
-        view_b(detail::form_of(b), pose{pb.position - middle, pb.orientation});
+        view_b(form, pose{pb.position - middle, pb.orientation});
     detail::convex_contact<real> contact(view_a, view_b, middle, margin);
     for (const contact_geometry& c : contact.find()) {
       const vec3 up = rotated(back.orientation, -c.normal);  // from the surface to the body
