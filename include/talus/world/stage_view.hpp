@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -70,13 +71,25 @@ class stage_body {
       return detail::initial_of<Column>();
   }
   /// Sets the value of a column of the feature, of a body that this rank owns. Shadow copies
-  /// receive it at the next exchange, if the column is sent to them.
+  /// receive it at the next exchange, if the column is sent to them. In a scenario with a hook
+  /// may_touch, throws logic_error for a column that travels when_changed from the last exchange
+  /// before contacts are found (at_start; of velocity_verlet after_share) until after_detect.
   template <class Column>
   void set(const typename Column::value_type& value) const requires(!std::is_const_v<Store>) {
     static_assert(detail::contains_type<Columns, Column>,
                   "a hook sets columns of its own feature: add the column to its `columns`");
     store_.template column<Column>()[i_] = value;
-    if constexpr (detail::travel_of<Column>() == travels::when_changed) s_.changed = true;
+    if constexpr (detail::travel_of<Column>() == travels::when_changed) {
+      if constexpr (detail::world_state<Scenario>::filters)
+        if (s_.filtered.sent)
+          detail::fail<std::logic_error>(
+              "a hook has set the column {} of body {} before the contacts of the step are found, "
+              "but neighbours receive it after that, so that ranks would differ about which bodies "
+              "touch: set it at after_detect or a later stage",
+              Column::name, id());
+      s_.changed = true;
+      s_.note_filtered_change();
+    }
   }
 
  private:

@@ -94,7 +94,7 @@ class body_view {
                   "has it to the features<...> of the scenario");
     prepare_change(Column::name, vec3(0, 0, 0));
     store_->template column<Column>()[i_] = value;
-    if constexpr (state_type::filters) s_->template of<Shape>().globals_changed |= global_;
+    if constexpr (detail::travel_of<Column>() == travels::when_changed) s_->note_filtered_change();
   }
   /// A fixed body stays in place, but carries along the bodies that touch it, as a belt does.
   void set_velocity(const vec3& v) {
@@ -138,6 +138,7 @@ class body_view {
     store_->inverse_mass[i_] = 0;
     store_->velocity[i_].setZero();
     store_->angular_velocity[i_].setZero();
+    s_->note_filtered_change();
     if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
   }
   /// Makes a fixed body movable again. A global body stays fixed: logic_error.
@@ -156,6 +157,7 @@ class body_view {
           s_->materials[material()]);
     store_->flags[i_] &= static_cast<std::uint8_t>(~detail::flag_fixed);
     store_->inverse_mass[i_] = 1 / mass();
+    s_->note_filtered_change();
     if constexpr (!state_type::link_type::alone)
       detail::note_release(*s_, *store_, i_);
     else if (s_->by_colours())
