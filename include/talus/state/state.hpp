@@ -144,7 +144,8 @@ template <class Scenario>
 using response_state =
     typename response_of<typename Scenario::shapes, law_of<Scenario>, solvers_of<Scenario>,
                          solved_scalar<Scenario>,
-                         contains_type<typename Scenario::features, driven>>::type;
+                         contains_type<typename Scenario::features, driven>,
+                         contains_type<typename Scenario::features, events>>::type;
 
 /// The link of a transport; of a refused one, a type that causes no further errors.
 struct no_link {
@@ -184,6 +185,8 @@ struct state_traits {
   static constexpr bool balances = contains_type<typename Scenario::features, balancing>;
   /// Whether a feature keeps pairs of bodies apart.
   static constexpr bool filters = some_filter_pairs<typename Scenario::features>;
+  /// Whether a feature reports which contacts begin and end.
+  static constexpr bool follows_contacts = contains_type<typename Scenario::features, events>;
   /// Whether global bodies may be moved.
   static constexpr bool drives = contains_type<typename Scenario::features, driven>;
   /// Whether bodies may be joined.
