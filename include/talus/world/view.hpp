@@ -134,6 +134,8 @@ class body_view {
   /// Makes the body immovable.
   void fix() {
     prepare_change("fixation", vec3(0, 0, 0));
+    if constexpr (state_type::follows_contacts)
+      if (!is_fixed()) detail::note_parted(*s_, id(), false);
     store_->flags[i_] |= detail::flag_fixed;
     store_->inverse_mass[i_] = 0;
     store_->velocity[i_].setZero();
@@ -152,6 +154,7 @@ class body_view {
           "global body {} cannot be made movable: global bodies are fixed and never local; add it "
           "outside of the global section instead",
           id());
+    if (!is_fixed()) return;
     if constexpr (Scenario::contact_law::soft)
       detail::require_yielding<typename Scenario::contact_law::law, Shape>(
           s_->materials[material()]);
@@ -162,6 +165,8 @@ class body_view {
       detail::note_release(*s_, *store_, i_);
     else if (s_->by_colours())
       detail::clear_history_of(*s_, id());
+    else if constexpr (state_type::follows_contacts)
+      detail::note_parted(*s_, id(), true);
     if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
   }
   /// Wakes the island of the body, and resets its rest time. (So does every change of a body except
