@@ -70,8 +70,8 @@ template <class Scenario>
 
 /// The two bodies do not touch each other from now on: features<contact_filters>. Collective: all
 /// ranks call it alike, with a handle or an empty optional handle of each body (some rank must have
-/// one). Throws invalid_argument, on all ranks, if none has, if ranks name different bodies, and for
-/// the same body twice.
+/// one). Throws invalid_argument, on all ranks, if none has, if ranks name different bodies, and
+/// for the same body twice.
 template <class Scenario, class A, class B>
 [[gnu::cold]] void keep_apart(world<Scenario>& w, const A& a, const B& b) {
   const auto [first, second] =
