@@ -3,6 +3,7 @@
 // alone
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -80,7 +81,8 @@ TEST_CASE("a mask that is set before simulate(), or at a step with a checkpoint,
   std::remove("filters_change.h5");
 }
 
-TEST_CASE("a rule that is set while bodies sleep, right before a checkpoint, acts after a restart") {
+TEST_CASE(
+    "a rule that is set while bodies sleep, right before a checkpoint, acts after a restart") {
   std::string digest;
   on_ranks<restful>(2, [&](auto& w) {
     const handles all = tower(w);
