@@ -264,7 +264,7 @@ TEST_CASE("a hook that changes a filter before contacts are found is refused, af
   CHECK(one[1] == doctest::Approx(two[1]));
   refused<std::logic_error>(
       [] { (void)push<true>(1); },
-      "a hook has set the column colour of body 4611686018427387904 before the contacts of the "
+      "a hook has set the column colour of body 0x4000000000000000 before the contacts of the "
       "step are found, but neighbours receive it after that, so that ranks would differ about "
       "which bodies touch: set it at after_detect or a later stage");
 }
