@@ -31,23 +31,34 @@ template <class Scenario>
                                                                        const char* what,
                                                                        system_id a, system_id b) {
   w.require_all_ranks(what);
-  std::array<double, 4> parts;  // halves of ids, which are exact; -1 where nothing is named
+  // Halves of ids, which are exact, and their negatives: the largest and the least of all ranks.
+  constexpr double none = -1e300;
+  std::array<double, 8> parts;
   for (std::size_t k = 0; k < 2; ++k) {
     const system_id id = k == 0 ? a : b;
-    parts[2 * k] = id == no_id ? -1 : static_cast<double>(value_of(id) >> 32);
-    parts[2 * k + 1] = id == no_id ? -1 : static_cast<double>(value_of(id) & 0xffffffff);
+    const auto high = static_cast<double>(value_of(id) >> 32),
+               low = static_cast<double>(value_of(id) & 0xffffffff);
+    const std::array<double, 4> of_body{high, low, -high, -low};
+    for (std::size_t l = 0; l < 4; ++l) parts[4 * k + l] = id == no_id ? none : of_body[l];
   }
   w.link().reduce(reduction::max, std::span<double>(parts));
   const auto whole = [&](std::size_t k) {
-    if (parts[k] < 0)
+    const double* of_body = &parts[4 * k];
+    const char* which = k == 0 ? "the first" : "the second";
+    if (of_body[0] == none)
       fail<std::invalid_argument>(
           "{} was called with no handle of {} body on any rank: pass what add or add_if_local "
           "returned, on all ranks",
-          what, k == 0 ? "the first" : "the second");
-    return system_id{static_cast<std::uint64_t>(parts[k]) << 32 |
-                     static_cast<std::uint64_t>(parts[k + 1])};
+          what, which);
+    if (of_body[0] != -of_body[2] || of_body[1] != -of_body[3])
+      fail<std::invalid_argument>(
+          "{} was called with different bodies as {} one on different ranks: pass handles of one "
+          "body, or empty ones, on all ranks",
+          what, which);
+    return system_id{static_cast<std::uint64_t>(of_body[0]) << 32 |
+                     static_cast<std::uint64_t>(of_body[1])};
   };
-  const std::pair both(whole(0), whole(2));
+  const std::pair both(whole(0), whole(1));
   if (both.first == both.second)
     fail<std::invalid_argument>(
         "{} was called with body {} twice, which does not touch itself: pass two bodies", what,
@@ -59,7 +70,8 @@ template <class Scenario>
 
 /// The two bodies do not touch each other from now on: features<contact_filters>. Collective: all
 /// ranks call it alike, with a handle or an empty optional handle of each body (some rank must have
-/// one). Throws invalid_argument, on all ranks, if none has, and for the same body twice.
+/// one). Throws invalid_argument, on all ranks, if none has, if ranks name different bodies, and
+/// for the same body twice.
 template <class Scenario, class A, class B>
 [[gnu::cold]] void keep_apart(world<Scenario>& w, const A& a, const B& b) {
   const auto [first, second] =

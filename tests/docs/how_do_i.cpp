@@ -84,14 +84,22 @@ TEST_CASE("build: which bodies touch") {
   on_ranks<apart>(2, [](auto& world) {
     world.decompose({.lower = {-3}, .upper = {3}});
     world.gravity({0, 0, -9.81});
-    const auto stone = world.material({}), floor_material = world.material({});
-    world.global([&](auto& scope) { scope.add(plane{}, floor_material); });
-    const auto add = [&](real x, real z) {
-      return world.add_if_local(
-          body{.shape = sphere{0.5}, .position = {x, 0, z}, .material = stone});
+    const auto stone = world.material({}), wood = world.material({}),
+               floor_material = world.material({});
+    world.global(
+        [&](auto& scope) { scope.add(plane{}, floor_material), scope.add(plane{}, wood); });
+    // Pairs, one above the other.
+    const auto add = [&](real x, real z, material_id of) {
+      return world.add_if_local(body{.shape = sphere{0.5}, .position = {x, 0, z}, .material = of});
     };
-    const auto first = add(-1, 0.5), second = add(-1, 1.7), third = add(1, 0.5);
-    add(1, 1.7);
+    const auto first = add(-2.4, 0.5, wood), second = add(-2.4, 1.7, wood);
+    const auto of_one = add(-1.2, 0.5, wood), of_two = add(-1.2, 1.7, wood);
+    const auto below = add(0.1, 0.5, stone), above = add(0.1, 1.7, stone);
+    const auto unlike_third = add(1.3, 0.5, wood), third = add(1.3, 1.7, wood);
+    const auto lower = add(2.5, 0.5, wood), upper = add(2.5, 1.7, wood);  // touch each other
+    if (of_one) world[*of_one].template set<contact_groups>(1u << 1);
+    if (of_two) world[*of_two].template set<contact_groups>(1u << 2);
+    if (unlike_third) world[*unlike_third].template set<contact_mask>(~(1u << 3));
     world.synchronize();
     auto& filters = world.template feature<contact_filters>();
     filters.ignore(contact_group{1}, contact_group{2});
@@ -99,17 +107,21 @@ TEST_CASE("build: which bodies touch") {
     keep_apart(world, first, second);  // handles, or empty optional handles, on all ranks
     if (third) world[*third].template set<contact_groups>(1u << 3);
     world.simulate({.steps = 100, .dt = 0.01});
-    CHECK(lowest_of(world) == doctest::Approx(0.5).epsilon(0.02));
-    double highest = 0;
-    world.for_each_local([&](const auto& b) { highest = std::max(highest, b.position()[2]); });
-    CHECK(highest == doctest::Approx(0.5).epsilon(0.02));
+    const auto height = [&](const auto& of) {
+      return sum_of(world, of ? world[*of].position()[2] : 0);
+    };
+    for (const auto& one : {second, of_two, above, third})
+      CHECK(height(one) == doctest::Approx(0.5).epsilon(0.02));
+    for (const auto& one : {first, of_one, below, unlike_third, lower})
+      CHECK(height(one) == doctest::Approx(0.5).epsilon(0.02));
+    CHECK(height(upper) == doctest::Approx(1.5).epsilon(0.02));
   });
 }
 
 TEST_CASE("measure: events") {
-  using told = scenario<bodies<sphere, plane>, hard_contact<>, decomposition<grid<dynamic>>,
-                        features<events>>;
-  on_ranks<told>(2, [](auto& world) {
+  using reporting = scenario<bodies<sphere, plane>, hard_contact<>, decomposition<grid<dynamic>>,
+                             features<events>>;
+  on_ranks<reporting>(2, [](auto& world) {
     world.decompose({.lower = {-3}, .upper = {3}});
     world.gravity({0, 0, -9.81});
     const auto stone = world.material({});
@@ -119,10 +131,10 @@ TEST_CASE("measure: events") {
     std::vector<system_id> passed;
     auto& of_events = world.template feature<events>();
     of_events.impacts({.speed = 2});
-    const int gate = of_events.region(box_region{{-1, -1, 0}, {1, 1, 1}});
+    const int middle = of_events.region(box_region{{-1, -1, 0}, {1, 1, 1}});
     world.after_each_step("events", [&] {
       for (const event& e : all_events(world))
-        if (e.kind == event_kind::enters && e.region == gate) passed.push_back(e.a);
+        if (e.kind == event_kind::enters && e.region == middle) passed.push_back(e.a);
     });
     world.simulate({.steps = 100, .dt = 0.01});
     CHECK(passed.size() == 2);

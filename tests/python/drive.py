@@ -45,18 +45,18 @@ class Worlds(unittest.TestCase):
 
     def test_events_are_those_of_each_step(self):
         world = mechanism.World(steps=600)
-        told = []
+        reported = []
         while world.steps < 250:
             world.step()
             events = world.event_table()
-            told += zip(events["kind"].tolist(), events["id_a"].tolist(), events["id_b"].tolist())
+            reported += zip(events["kind"].tolist(), events["id_a"].tolist(), events["id_b"].tolist())
             for k, kind in enumerate(events["kind"]):
                 if kind == "impact":
                     self.assertGreaterEqual(events["speed"][k], 2)
-        kinds = [kind for kind, _, _ in told]
+        kinds = [kind for kind, _, _ in reported]
         self.assertEqual(kinds.count("impact"), 2)  # the first sphere lies on the ground
         touching = set()
-        for kind, a, b in told:
+        for kind, a, b in reported:
             if kind == "contact_begins":
                 self.assertNotIn((a, b), touching)
                 touching.add((a, b))

@@ -7,8 +7,8 @@ using law = soft_contact<linear_spring_dashpot, coulomb_friction>;
 #else
 using law = soft_contact<linear_spring_dashpot>;
 #endif
-using told = scenario<law, features<events>>;
+using reporting = scenario<law, features<events>>;
 
-const told checked;
+const reporting checked;
 
 int main() {}

@@ -51,12 +51,13 @@ class contact_rules {
     if (has(ignored_, both)) return false;
     return has(only_, both) || !(has(bound_, a) || has(bound_, b));
   }
-  void ignore(std::uint64_t a, std::uint64_t b) {
-    insert(ignored_, pair(std::min(a, b), std::max(a, b)));
+  /// False if the rule is there already.
+  bool ignore(std::uint64_t a, std::uint64_t b) {
+    return insert(ignored_, pair(std::min(a, b), std::max(a, b)));
   }
-  void only(std::uint64_t a, std::uint64_t b) {
-    insert(only_, pair(std::min(a, b), std::max(a, b)));
+  bool only(std::uint64_t a, std::uint64_t b) {
     insert(bound_, a), insert(bound_, b);
+    return insert(only_, pair(std::min(a, b), std::max(a, b)));
   }
   void clear() { ignored_.clear(), only_.clear(), bound_.clear(); }
 
@@ -82,9 +83,11 @@ class contact_rules {
     return std::binary_search(sorted.begin(), sorted.end(), one);
   }
   template <class T>
-  static void insert(std::vector<T>& sorted, const T& one) {
+  static bool insert(std::vector<T>& sorted, const T& one) {
     const auto at = std::lower_bound(sorted.begin(), sorted.end(), one);
-    if (at == sorted.end() || *at != one) sorted.insert(at, one);
+    if (at != sorted.end() && *at == one) return false;
+    sorted.insert(at, one);
+    return true;
   }
 
   std::vector<pair> ignored_, only_;  ///< the lesser number first; sorted
@@ -122,18 +125,22 @@ struct contact_filters {
     /// material is in group 0 and may touch all. Groups of materials are not those of bodies.
     void of_material(material_id m, std::uint32_t groups, std::uint32_t mask) {
       const std::size_t k = number(m);
+      const masks before = masks_of(m), now{groups, mask};
+      if (before.groups == now.groups && before.mask == now.mask) return;
       if (materials_.size() <= k) materials_.resize(k + 1);
-      materials_[k] = {groups, mask};
-      ++revision_;
+      materials_[k] = now;
+      note();
     }
     /// Removes all rules, and the groups and masks of materials; those of bodies remain.
     void clear() {
-      for (auto& rules : rules_) rules.clear();
+      bool any = !materials_.empty();
+      for (auto& rules : rules_) any = any || !rules.empty(), rules.clear();
+      if (!any) return;
       materials_.clear();
       note();
     }
 
-    /// Grows with each change.
+    /// Grows with each change. A call that changes nothing wakes no body.
     [[nodiscard]] std::uint64_t revision() const { return revision_; }
     /// Whether two bodies may touch.
     template <class A, class B>
@@ -192,11 +199,7 @@ struct contact_filters {
       return false;
     }
     void rule(std::size_t kind, std::uint64_t a, std::uint64_t b, bool only) {
-      if (only)
-        rules_[kind].only(a, b);
-      else
-        rules_[kind].ignore(a, b);
-      note();
+      if (only ? rules_[kind].only(a, b) : rules_[kind].ignore(a, b)) note();
     }
     void note() {
       ++revision_;

@@ -279,7 +279,8 @@ void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
   out.put(s.choice.announced);
   out.put(kind);
   run_hooks<ghost_stages::pack_notice>(s, out);
-  if constexpr (world_state<Scenario>::filters) out.put(static_cast<std::uint8_t>(s.changed));
+  if constexpr (world_state<Scenario>::filters)
+    out.put(static_cast<std::uint8_t>(s.filtered.changed));
   copies_reported told;
   std::size_t k = 0;
   s.each_finite_shape([&](const auto& b) {

@@ -272,6 +272,16 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     return sum;
   }
 
+  /// Whether a bond or a neck holds the bodies, also where its force vanishes.
+  [[nodiscard]] static bool is_intact(const memory& m) {
+    bool any = false;
+    each_part([&]<class Part>() {
+      if constexpr (requires { Part::is_intact(of<Part>(m)); })
+        any = any || Part::is_intact(of<Part>(m));
+    });
+    return (void)m, any;
+  }
+
   /// The longest stable step of two bodies of this mass, `stiffer` by this factor than on one
   /// contact.
   [[nodiscard]] static real longest_step(const parameters& p, real mass, real stiffer = 1) {

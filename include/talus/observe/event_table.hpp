@@ -1,5 +1,5 @@
 #pragma once
-// What features<events> told in the last step: as a range, as a table, and counted.
+// The events that features<events> has reported in the last step: as a range, as a table, counted.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -21,7 +21,7 @@
 
 namespace talus {
 
-/// The events of the last step that this rank tells, by the ids of their bodies. The other ranks
+/// The events of the last step that this rank reports, by the ids of their bodies. The other ranks
 /// have other events. Empty before the first step.
 template <class World>
 [[nodiscard]] const std::vector<event>& events_of_step(const World& w) {

@@ -98,11 +98,11 @@ template <class Scenario, class StoreA, class StoreB>
   return may;
 }
 
-/// At the start of a step: candidate pairs are searched anew if the user has changed bodies or the
-/// state of a filter, whose `revision()` tells it. Sleeping bodies wake if a state has changed.
+/// At the start of a step, and before a checkpoint: candidate pairs are searched anew if the state
+/// of a filter has another `revision()`, and sleeping bodies wake. (Changes of bodies are noted in
+/// note_filtered_change().)
 template <class Scenario>
 void note_filters(world_state<Scenario>& s) {
-  if (s.changed) s.found.known = false;
   std::uint64_t revision = 0;
   each_filter<typename Scenario::features>([&]<class Feature>() {
     if constexpr (has_own_state<Feature, Scenario>)
@@ -113,6 +113,13 @@ void note_filters(world_state<Scenario>& s) {
   s.found.known = false;
   if constexpr (world_state<Scenario>::sleeps) s.sleep.all = s.sleep.all || s.filtered.known;
   s.filtered = {true, revision};
+}
+
+/// Between the last exchange before the contacts of a step are found and that moment, hooks change
+/// nothing that filters read: the copies on neighbours would differ.
+template <class Scenario>
+void note_copies_sent([[maybe_unused]] world_state<Scenario>& s, [[maybe_unused]] bool sent) {
+  if constexpr (world_state<Scenario>::filters) s.filtered.sent = sent;
 }
 
 }  // namespace detail

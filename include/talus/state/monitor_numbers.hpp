@@ -71,15 +71,13 @@ class number_visitor {
 };
 
 /// The argument of `each_list(visit)` of the state of a feature: visit.alike(list) names a list of
-/// 64-bit numbers that all ranks have, visit.joined(list) one of which each rank has a part; after
-/// a restart each rank has all parts.
+/// 64-bit numbers that is the same on all ranks.
 template <class F>
 class list_visitor {
  public:
   explicit list_visitor(F& f) : f_(f) {}
 
-  void alike(std::vector<std::uint64_t>& list) { f_(list, false); }
-  void joined(std::vector<std::uint64_t>& list) { f_(list, true); }
+  void alike(std::vector<std::uint64_t>& list) { f_(list); }
 
  private:
   F& f_;

@@ -233,7 +233,10 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       s_.soft.fastest_approach = std::max(s_.soft.fastest_approach, -t.normal.dot(t.velocity));
     if constexpr (remembers) {
       if (last == history_place::none) last = s_.recorded.next_place();
-      s_.recorded.add(key, memory);
+      if constexpr (requires { state_type::history_type::memory::acts; })
+        s_.recorded.add(key, {memory, g.gap < 0 || !is_zero(f) || law::is_intact(memory)});
+      else
+        s_.recorded.add(key, memory);
     }
 
     A.force += f.force;

@@ -33,6 +33,7 @@ void step(world_state<Scenario>& s, real dt) {
   if (s.steps % steps_between_sorts == 0) sort_bodies(s);
   if constexpr (world_state<Scenario>::filters) note_filters(s);
   notify_neighbours(s);
+  note_copies_sent(s, !Scenario::integrator::shares_midway);
   run_hooks<stages::at_start>(s);
   Scenario::integrator::step(s);
   run_hooks<stages::at_end>(s);

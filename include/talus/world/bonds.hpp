@@ -111,7 +111,7 @@ std::uint64_t make_bonds(world<Scenario>& w, Wanted&& wanted) {
   s.found.forget_places();
   std::uint64_t count = 0;
   for (const found& f : made) {
-    typename law::memory m{};
+    typename world_state<Scenario>::history_type::memory m{};
     if (const auto* kept = old.find(f.key)) m = *kept;
     law::template of<parallel_bond>(m) = f.beam;
     s.history.add(f.key, m);

@@ -94,7 +94,7 @@ class body_view {
                   "has it to the features<...> of the scenario");
     prepare_change(Column::name, vec3(0, 0, 0));
     store_->template column<Column>()[i_] = value;
-    if constexpr (state_type::filters) s_->template of<Shape>().globals_changed |= global_;
+    if constexpr (detail::travel_of<Column>() == travels::when_changed) s_->note_filtered_change();
   }
   /// A fixed body stays in place, but carries along the bodies that touch it, as a belt does.
   void set_velocity(const vec3& v) {
@@ -141,10 +141,13 @@ class body_view {
             "body {} has the mass {} of its own, which a fixed body does not keep: give it a "
             "material with its density instead of .mass or .density",
             id(), mass());
+    if constexpr (state_type::follows_contacts)
+      if (!is_fixed()) detail::note_parted(*s_, id(), false);
     store_->flags[i_] |= detail::flag_fixed;
     store_->inverse_mass[i_] = 0;
     store_->velocity[i_].setZero();
     store_->angular_velocity[i_].setZero();
+    s_->note_filtered_change();
     if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
   }
   /// Makes a fixed body movable again. A global body stays fixed: logic_error.
@@ -158,15 +161,19 @@ class body_view {
           "global body {} cannot be made movable: global bodies are fixed and never local; add it "
           "outside of the global section instead",
           id());
+    if (!is_fixed()) return;
     if constexpr (Scenario::contact_law::soft)
       detail::require_yielding<typename Scenario::contact_law::law, Shape>(
           s_->materials[material()]);
     store_->flags[i_] &= static_cast<std::uint8_t>(~detail::flag_fixed);
     store_->inverse_mass[i_] = 1 / mass();
+    s_->note_filtered_change();
     if constexpr (!state_type::link_type::alone)
       detail::note_release(*s_, *store_, i_);
     else if (s_->by_colours())
       detail::clear_history_of(*s_, id());
+    else if constexpr (state_type::follows_contacts)
+      detail::note_parted(*s_, id(), true);
     if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
   }
   /// Wakes the island of the body, and resets its rest time. (So does every change of a body except

@@ -124,7 +124,7 @@ template <class Scenario>
   put_interactions(s, out);
   put_kept(team, keeper.values, out);
   put_monitors(team, s, out);
-  put_lists(team, s, out);
+  put_lists(s, out);
   put_course(keeper.course.parts(s.steps), out);
   put_records(w.records(), out);
   put_once(keeper.once, out);

@@ -35,16 +35,15 @@ void each_stored_record(world_state<Scenario>& s, F&& f) {
   }(typename Scenario::features{});
 }
 
-/// Calls f(path, list, whether ranks have parts of it) for the lists that the states of features
-/// name.
+/// Calls f(path, list) for the lists that the states of features name.
 template <class Scenario, class F>
 void each_stored_list(world_state<Scenario>& s, F&& f) {
   [&]<class... Features>(type_list<Features...>) {
     [[maybe_unused]] const auto of_own = [&]<class Feature>(type_list<Feature>) {
       if constexpr (has_own_state<Feature, Scenario>) {
         int count = 0;
-        const auto number = [&](std::vector<std::uint64_t>& list, bool joined) {
-          f("/lists/" + std::string(Feature::name) + '_' + std::to_string(count++), list, joined);
+        const auto number = [&](std::vector<std::uint64_t>& list) {
+          f("/lists/" + std::string(Feature::name) + '_' + std::to_string(count++), list);
         };
         list_visitor visit(number);
         if constexpr (requires { own_state<Feature>(s).each_list(visit); })
@@ -55,25 +54,15 @@ void each_stored_list(world_state<Scenario>& s, F&& f) {
   }(typename Scenario::features{});
 }
 
-/// Collective.
 template <class Scenario>
-[[gnu::cold]] void put_lists(checkpoint_team& team, world_state<Scenario>& s,
-                             std::vector<small_dataset>& out) {
-  each_stored_list(s, [&](const std::string& path, std::vector<std::uint64_t>& list, bool joined) {
-    byte_buffer mine;
-    for (const std::uint64_t x : list) byte_writer(mine).put(x);
-    std::vector<std::uint64_t> all;
-    for (const byte_buffer& each : team.gather(mine)) {
-      byte_reader from(each);
-      while (!from.empty()) all.push_back(from.get<std::uint64_t>());
-      if (!joined) break;
-    }
-    out.push_back(numbers_dataset<std::uint64_t>(path, all));
+[[gnu::cold]] void put_lists(world_state<Scenario>& s, std::vector<small_dataset>& out) {
+  each_stored_list(s, [&](const std::string& path, const std::vector<std::uint64_t>& list) {
+    out.push_back(numbers_dataset<std::uint64_t>(path, list));
   });
 }
 template <class Scenario>
 [[gnu::cold]] void get_lists(const checkpoint_reader& in, world_state<Scenario>& s) {
-  each_stored_list(s, [&](const std::string& path, std::vector<std::uint64_t>& list, bool) {
+  each_stored_list(s, [&](const std::string& path, std::vector<std::uint64_t>& list) {
     if (in.has(path)) list = in.integers(path);
   });
 }

@@ -2,6 +2,7 @@
 // The stages of a step of integrator<velocity_verlet>: bodies are shared between its halves, so
 // that forces are computed after all ranks have the new positions.
 #include "talus/ghosts/migrate_and_refresh.hpp"
+#include "talus/pairs/filtered_pairs.hpp"
 #include "talus/state/hooks.hpp"
 #include "talus/state/stage_clock.hpp"
 #include "talus/state/state.hpp"
@@ -17,10 +18,12 @@ void velocity_verlet::step(detail::world_state<Scenario>& s) {
   run_hooks<stages::after_move>(s);
   run_hooks<stages::before_share>(s);
   migrate_and_refresh(s);
+  note_copies_sent(s, true);
   s.soft.copies_lag = false;
   run_hooks<stages::after_share>(s);
   run_hooks<stages::before_detect>(s);
   timed(s, s.seconds.detect, [&] { find_close_pairs(s); });
+  note_copies_sent(s, false);
   run_hooks<stages::after_detect>(s);
   timed(s, s.seconds.respond, [&] { measure_forces(s); });
   run_hooks<stages::after_solve>(s);

@@ -51,8 +51,9 @@ void world<Scenario>::synchronize() {
     detail::share_shadow_copies(state_, true);
     detail::share_shadow_copies(state_, true);
   }
+  if constexpr (detail::world_state<Scenario>::filters) detail::note_filters(state_);
   if constexpr (detail::world_state<Scenario>::sleeps) detail::note_sleepers(state_);
-  state_.changed = false;
+  state_.note_changes_sent();
   rewired_ = false;
   synchronized_ = true;
 }
