@@ -2,9 +2,11 @@
 // A tree of boxes, made for one set of queries: which of them a line meets, and which are near a
 // point. Building takes a time of n log n, a query one of log n for each box that it finds.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "talus/core/math.hpp"
@@ -34,8 +36,8 @@ class bounds_tree {
   /// The box around all.
   [[nodiscard]] const bounds& around() const { return around_; }
 
-  /// Calls f(number) for the boxes, widened by `reach`, that the line p + t d meets at a t from 0 to
-  /// `length`, nearer ones mostly first; f returns the length from then on.
+  /// Calls f(number) for the boxes, widened by `reach`, that the line p + t d meets at a t from 0
+  /// to `length`, nearer ones mostly first; f returns the length from then on.
   template <class F>
   void along(const vec3& p, const vec3& d, real length, const vec3& reach, F&& f) {
     const auto entry = [&](const bounds& b) {
@@ -63,8 +65,8 @@ class bounds_tree {
   }
 
  private:
-  /// As in triangle_tree: a node holds the boxes order_[first, first + count), or, where count is 0,
-  /// the next node and `first`.
+  /// As in triangle_tree: a node holds the boxes order_[first, first + count), or, where count is
+  /// 0, the next node and `first`.
   struct node {
     bounds box;
     std::uint32_t first = 0, count = 0;
@@ -88,7 +90,8 @@ class bounds_tree {
       if (n.count == 0) {
         const std::size_t before = waiting_.size();
         visit(n.first), visit(at + 1);
-        if (waiting_.size() == before + 2 && waiting_[before].distance < waiting_[before + 1].distance)
+        if (waiting_.size() == before + 2 &&
+            waiting_[before].distance < waiting_[before + 1].distance)
           std::swap(waiting_[before], waiting_[before + 1]);
         continue;
       }
@@ -111,7 +114,9 @@ class bounds_tree {
     const std::size_t at = nodes_.size();
     nodes_.push_back({});
     bounds all, centres;
-    const auto twice_centre = [&](std::uint32_t k) { return vec3(boxes_[k].lower + boxes_[k].upper); };
+    const auto twice_centre = [&](std::uint32_t k) {
+      return vec3(boxes_[k].lower + boxes_[k].upper);
+    };
     for (std::uint32_t k = from; k < to; ++k) {
       all.include(boxes_[order_[k]]);
       const vec3 c = twice_centre(order_[k]);

@@ -1,6 +1,6 @@
 #pragma once
-// Where a ray meets a posed shape: in closed form for the shapes of talus, by their chords; a convex
-// shape of one's own is met by a point that moves (shape_cast.hpp).
+// Where a ray meets a posed shape: in closed form for the shapes of talus, by their chords; a
+// convex shape of one's own is met by a point that moves (shape_cast.hpp).
 #include <algorithm>
 #include <cmath>
 
@@ -98,13 +98,13 @@ template <class B>
       best = {height / closing, from + height / closing * d, b.unit_normal(), false};
     return best;
   } else {
-    const chord near = chord_near_origin(from - at.position, d,
-                                         (1 + cast_tolerance) * b.bounding_radius());
+    const chord near =
+        chord_near_origin(from - at.position, d, (1 + cast_tolerance) * b.bounding_radius());
     if (near.empty() || !(near.to >= 0) || !(near.from <= length)) return best;
     if constexpr (requires { b.parts(); }) {
       b.each_part([&](const auto& part, const pose& place) {
-        take_nearer(best, ray_meets(part, combined(at, place), from, d,
-                                    std::min(length, best.distance)));
+        take_nearer(best,
+                    ray_meets(part, combined(at, place), from, d, std::min(length, best.distance)));
       });
     } else if constexpr (requires { b.tree(); }) {
       const pose turn{{0, 0, 0}, at.orientation};
@@ -120,8 +120,8 @@ template <class B>
       const real enters = middle + c.from, leaves = middle + c.to;
       if (c.empty() || !(leaves > 0) || !(enters <= length)) return best;
       if (enters <= 0) return hit_at_start(from, d);
-      best = {enters, from + enters * d,
-              turn.to_world(normal_where(b, q + c.from * along, along)), false};
+      best = {enters, from + enters * d, turn.to_world(normal_where(b, q + c.from * along, along)),
+              false};
     } else {
       best = cast_convex(ball_form{0}, pose{from, {1, 0, 0, 0}}, form_of(b), at, d, length,
                          b.bounding_radius());

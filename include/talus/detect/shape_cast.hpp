@@ -4,9 +4,9 @@
 //
 // For two convex shapes, each direction n that separates them and that they close bounds the way
 // from below, by their gap along n over the part of the motion along -n. The next direction is that
-// of the nearest points (the algorithm of Gilbert, Johnson and Keerthi) at the end of that way. This
-// is Newton's method for the distance, which is a convex function of the way: it comes from below
-// and never passes the impact (conservative advancement, Mirtich 1996; van den Bergen 2004).
+// of the nearest points (the algorithm of Gilbert, Johnson and Keerthi) at the end of that way.
+// This is Newton's method for the distance, which is a convex function of the way: it comes from
+// below and never passes the impact (conservative advancement, Mirtich 1996; van den Bergen 2004).
 #include <algorithm>
 #include <cmath>
 
@@ -134,8 +134,9 @@ template <class A, class B>
           {corners.at[0] - middle, corners.at[1] - middle, corners.at[2] - middle}};
       const real size =
           std::max({centred.at[0].norm(), centred.at[1].norm(), centred.at[2].norm()});
-      surface_hit hit = cast_convex(form_of(a), here, form_of_triangle(centred), pose{middle, {1, 0, 0, 0}},
-                                    way, std::min(length, best.distance), a.bounding_radius() + size);
+      surface_hit hit =
+          cast_convex(form_of(a), here, form_of_triangle(centred), pose{middle, {1, 0, 0, 0}}, way,
+                      std::min(length, best.distance), a.bounding_radius() + size);
       if (hit.found()) {
         hit.point = hit.inside ? from.position : at.to_world(hit.point);
         hit.normal = hit.inside ? vec3(-d) : rotated(at.orientation, hit.normal);
@@ -162,7 +163,8 @@ template <class B>
     if (height <= within) best = {height, p - height * up, up, false};
   } else if constexpr (requires { b.parts(); }) {
     b.each_part([&](const auto& part, const pose& place) {
-      take_nearer(best, nearest_on_shape(part, combined(at, place), p, std::min(within, best.distance)));
+      take_nearer(best,
+                  nearest_on_shape(part, combined(at, place), p, std::min(within, best.distance)));
     });
   } else if constexpr (requires { b.tree(); }) {
     const triangle_tree& m = b.tree();
