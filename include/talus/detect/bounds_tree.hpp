@@ -55,14 +55,6 @@ class bounds_tree {
     };
     search(away, distance, f);
   }
-  /// Calls f(number) for the boxes that this one overlaps.
-  template <class F>
-  void within(const vec3& lower, const vec3& upper, F&& f) {
-    const auto apart = [&](const bounds& b) {
-      return triangle_tree::boxes_overlap(b.lower, b.upper, lower, upper) ? real(0) : endless;
-    };
-    search(apart, 0, [&](std::uint32_t item) { return f(item), real(0); });
-  }
 
  private:
   /// As in triangle_tree: a node holds the boxes order_[first, first + count), or, where count is
