@@ -74,7 +74,10 @@ void test_rays(const Shape& s, const pose& at, generator& random, real size, int
   const bool far = random(0, 1) < 0.1;
   const shot one = random_shot(random, at, size, far);
   const auto f = [&](real t) { return outside_at(s, at, one.from + t * one.direction); };
-  const real length = 2e4 * size, scale = far ? 1e-8 * size : 1e-9 * size;
+  const real length = 2e4 * size, scale = [&] {
+    constexpr bool closed = !Shape::finite || detail::cut_by_rays<Shape>;
+    return (far ? 1e-10 : closed ? 1e-12 : 1e-9) * size;
+  }();
   real lowest = 0;
   const real expected = first_zero(f, length, lowest);
   if (std::abs(lowest) < 1e-5 || std::abs(f(0)) < 1e-7) return;  // grazes, or begins on the surface

@@ -271,6 +271,11 @@ TEST_CASE("a region, filters, and a body that a ray passes") {
     for (const query_hit& hit :
          bodies_within(w, box_region{{-9, -9, -9}, {9, 9, 9}}, {.groups = 1u << 5}))
       in_group[hit.id] = true;
+    std::map<system_id, bool> stays;
+    for (const query_hit& hit :
+         bodies_within(w, box_region{{-9, -9, -9}, {9, 9, 9}}, {.movable = false}))
+      stays[hit.id] = true;
+    const auto fixed = [&](const query_hit& h) { return h.global || stays.count(h.id) > 0; };
     int grouped = 0;
     for (std::size_t k = 0; k < all.size(); ++k) {
       const auto first_with = [&](auto&& test) {
@@ -280,8 +285,8 @@ TEST_CASE("a region, filters, and a body that a ray passes") {
       };
       CHECK(only[k] == first_with([&](const query_hit& h) { return in_group.count(h.id) > 0; }));
       CHECK(second[k] == first_with([&](const query_hit& h) { return h.id != passing[k].except; }));
-      CHECK(still[k] == first_with([&](const query_hit& h) { return h.global; }));
-      CHECK(loose[k] == first_with([&](const query_hit& h) { return !h.global; }));
+      CHECK(still[k] == first_with(fixed));
+      CHECK(loose[k] == first_with([&](const query_hit& h) { return !fixed(h); }));
       grouped += bool(only[k]);
     }
     CHECK(grouped > 10);

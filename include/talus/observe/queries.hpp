@@ -37,8 +37,8 @@ struct shape_path {
   system_id except = no_id;       ///< a body that it passes
 };
 
-/// The shape that a hit has, as its handle: empty if the body is of another shape. `world[handle]`
-/// is the body, on ranks that know it.
+/// The handle of the body that was hit, empty if it is of another shape. `world[handle]` is the
+/// body, on ranks that know it.
 template <class Shape, class Scenario>
 [[nodiscard]] std::optional<handle<Shape>> handle_of(const world<Scenario>&, const query_hit& hit) {
   if (hit && hit.kind == static_cast<int>(detail::index_of<typename Scenario::shapes, Shape>))
@@ -119,6 +119,13 @@ template <class Shape>
 concept movable_query = concepts::finite_shape<Shape> && !requires(const Shape& s) {
   s.tree();
 };
+template <class Shape>
+consteval bool require_query_shape() {
+  static_assert(movable_query<Shape>,
+                "a shape that moves, or is to be placed, has a volume: pass a sphere, a box or "
+                "another finite shape, but neither a plane nor a triangle_mesh");
+  return movable_query<Shape>;
+}
 
 template <wanted What, class Scenario>
 [[nodiscard]] std::vector<std::vector<query_hit>> ask_rays(world<Scenario>& w, const char* what,
@@ -143,20 +150,20 @@ template <wanted What, class Scenario, class Shape>
                                                             const Shape& shape,
                                                             std::span<const shape_path> paths,
                                                             const query_filter& filter) {
-  static_assert(movable_query<Shape>,
-                "a shape that moves, or is to be placed, has a volume: pass a sphere, a box or "
-                "another finite shape, but neither a plane nor a triangle_mesh");
-  std::string fault = fault_of(w, what, filter);
-  if (fault.empty()) fault = fault_of(shape);
-  std::vector<question> all;
-  for (const shape_path& p : paths) {
-    const std::size_t n = all.size();
-    if (fault.empty()) fault = fault_of(w, what, n, p.from, p.direction, p.length);
-    if (fault.empty()) fault = fault_of(w.rank(), what, n, p.orientation);
-    all.push_back({p.from, p.orientation, unit(p.direction), p.length, p.except,
-                   static_cast<std::uint32_t>(n)});
+  if constexpr (require_query_shape<Shape>()) {
+    std::string fault = fault_of(w, what, filter);
+    if (fault.empty()) fault = fault_of(shape);
+    std::vector<question> all;
+    for (const shape_path& p : paths) {
+      const std::size_t n = all.size();
+      if (fault.empty()) fault = fault_of(w, what, n, p.from, p.direction, p.length);
+      if (fault.empty()) fault = fault_of(w.rank(), what, n, p.orientation);
+      all.push_back({p.from, p.orientation, unit(p.direction), p.length, p.except,
+                     static_cast<std::uint32_t>(n)});
+    }
+    return ask<What>(w, what, filter, shape_probe<Shape>{shape}, all, fault);
   }
-  return ask<What>(w, what, filter, shape_probe<Shape>{shape}, all, fault);
+  return {};
 }
 [[nodiscard]] inline std::vector<query_hit> first_of_each(
     const std::vector<std::vector<query_hit>>& all) {
@@ -219,22 +226,22 @@ template <class Scenario, class Shape>
                                                                 const Shape& shape,
                                                                 std::span<const pose> poses,
                                                                 const query_filter& filter = {}) {
-  std::string fault = detail::fault_of(w, "find_overlaps", filter);
-  if (fault.empty()) fault = detail::fault_of(shape);
-  static_assert(detail::movable_query<Shape>,
-                "find_overlaps takes a shape with a volume: pass a sphere, a box or another finite "
-                "shape, but neither a plane nor a triangle_mesh");
-  std::vector<detail::question> all;
-  for (const pose& p : poses) {
-    const std::size_t n = all.size();
-    if (fault.empty())
-      fault = detail::fault_of(w, "find_overlaps", n, p.position, vec3(0, 0, 1), 0);
-    if (fault.empty()) fault = detail::fault_of(w.rank(), "find_overlaps", n, p.orientation);
-    all.push_back(
-        {p.position, p.orientation, vec3(0, 0, 0), 0, no_id, static_cast<std::uint32_t>(n)});
+  constexpr const char* what = "find_overlaps";
+  std::vector<std::vector<query_hit>> found;
+  if constexpr (detail::require_query_shape<Shape>()) {
+    std::string fault = detail::fault_of(w, what, filter);
+    if (fault.empty()) fault = detail::fault_of(shape);
+    std::vector<detail::question> all;
+    for (const pose& p : poses) {
+      const std::size_t n = all.size();
+      if (fault.empty()) fault = detail::fault_of(w, what, n, p.position, vec3(0, 0, 1), 0);
+      if (fault.empty()) fault = detail::fault_of(w.rank(), what, n, p.orientation);
+      all.push_back(
+          {.from = p.position, .turn = p.orientation, .number = static_cast<std::uint32_t>(n)});
+    }
+    found = detail::ask<detail::wanted::overlaps>(w, what, filter,
+                                                  detail::overlap_probe<Shape>{shape}, all, fault);
   }
-  auto found = detail::ask<detail::wanted::overlaps>(
-      w, "find_overlaps", filter, detail::overlap_probe<Shape>{shape}, all, fault);
   for (auto& hits : found)
     std::sort(hits.begin(), hits.end(),
               [](const query_hit& x, const query_hit& y) { return x.id < y.id; });
