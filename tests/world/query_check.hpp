@@ -2,6 +2,8 @@
 // Queries by brute force: every body of every rank, and every image of it, one by one.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <span>
 #include <talus/queries.hpp>
 #include <vector>
 

@@ -69,11 +69,11 @@ template <class FormA, class FormB, class Real = real>
     on_b = found.on_b + view_b.rounding() * normal;
     // A lower bound of the gap, whose rounding errors are those of the two points alone.
     const Real bound = pair.gap_along(normal) - rounding, closing = -normal.dot(d);
+    if (!(closing > 0)) return {};
     if (gap <= close) {
-      if (closing > 0 && bound > 0) way += std::min(bound / closing, close);
+      if (bound > 0) way += std::min(bound / closing, close);
       break;
     }
-    if (!(closing > 0)) return {};
     const Real next = way + bound / closing;
     if (!(start + next <= length)) return {};
     if (!(next > way)) break;

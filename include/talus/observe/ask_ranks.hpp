@@ -20,7 +20,7 @@
 
 namespace talus::detail {
 
-enum class wanted { first, all, overlaps, nearest };
+enum class query_kind { first, all, overlaps, nearest };
 
 // What a question is asked with: a point or a shape. `meets` is what it meets of a body.
 struct point_probe {
@@ -106,10 +106,10 @@ template <class Scenario>
 }
 
 /// The answer of the bodies of this rank, or of the global ones.
-template <wanted What, class Probe, class Bodies>
+template <query_kind What, class Probe, class Bodies>
 void answer(const Probe& probe, Bodies& bodies, const question& q, const query_filter& filter,
             bool global, std::vector<query_hit>& out) {
-  constexpr bool single = What == wanted::first || What == wanted::nearest;
+  constexpr bool single = What == query_kind::first || What == query_kind::nearest;
   query_hit best;
   const std::size_t before = out.size();
   const auto take = [&](const query_hit& hit) -> real {
@@ -117,7 +117,8 @@ void answer(const Probe& probe, Bodies& bodies, const question& q, const query_f
       if (hit < best) best = hit;
       return std::min(q.length, best.distance);
     } else {
-      if constexpr (What == wanted::overlaps)  // of images of a body that both overlap, the deeper
+      if constexpr (What ==
+                    query_kind::overlaps)  // of images of a body that both overlap, the deeper
         for (std::size_t k = before; k < out.size(); ++k)
           if (out[k].id == hit.id) {
             if (hit < out[k]) out[k] = hit;
@@ -127,7 +128,7 @@ void answer(const Probe& probe, Bodies& bodies, const question& q, const query_f
       return q.length;
     }
   };
-  if constexpr (What == wanted::nearest) {
+  if constexpr (What == query_kind::nearest) {
     bodies.near(
         q, filter, global,
         [](const auto& b, const pose& at, const vec3& from, real within) {
@@ -147,7 +148,7 @@ void answer(const Probe& probe, Bodies& bodies, const question& q, const query_f
 }
 
 /// Which ranks may have what a question looks for.
-template <wanted What, class Bodies>
+template <query_kind What, class Bodies>
 class asked_ranks {
  public:
   asked_ranks(const Bodies& bodies, const std::vector<asked_rank>& ranks, bool all_pass)
@@ -156,11 +157,11 @@ class asked_ranks {
   /// Calls f(rank) for each.
   template <class F>
   void each(const question& q, const vec3& reach, F&& f) const {
-    const real limit = What == wanted::nearest ? farthest(q) : 0;
+    const real limit = What == query_kind::nearest ? farthest(q) : 0;
     for (std::size_t r = 0; r < ranks_.size(); ++r) {
       const auto& box = ranks_[r].around;
       if (box.empty()) continue;
-      if (What == wanted::nearest ? away(q, box) <= limit : on_the_way(q, box, reach)) f(r);
+      if (What == query_kind::nearest ? away(q, box) <= limit : on_the_way(q, box, reach)) f(r);
     }
   }
 
@@ -205,7 +206,7 @@ class asked_ranks {
 };
 
 /// Collective: the answers to the questions of this rank, numbered from 0, each sorted.
-template <wanted What, class Probe, class Scenario>
+template <query_kind What, class Probe, class Scenario>
 [[nodiscard]] std::vector<std::vector<query_hit>> ask(world<Scenario>& w, const char* what,
                                                       const query_filter& filter,
                                                       const Probe& probe,

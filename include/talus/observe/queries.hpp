@@ -10,7 +10,6 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "talus/body/body.hpp"
@@ -58,7 +57,7 @@ template <class Scenario>
 
 namespace detail {
 
-/// What is wrong with the questions of this rank; empty if nothing is.
+// What is wrong with a question, a filter or a shape; empty if nothing is.
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::string fault_of(const world<Scenario>& w, const char* what,
                                               std::size_t number, const vec3& from,
@@ -97,7 +96,6 @@ template <class Scenario>
         what, filter.groups);
   return {};
 }
-/// Why a shape cannot be asked for; empty if it can.
 template <class Shape>
 [[nodiscard, gnu::cold]] std::string fault_of(const Shape& shape) {
   try {
@@ -127,7 +125,7 @@ consteval bool require_query_shape() {
   return movable_query<Shape>;
 }
 
-template <wanted What, class Scenario>
+template <query_kind What, class Scenario>
 [[nodiscard]] std::vector<std::vector<query_hit>> ask_rays(world<Scenario>& w, const char* what,
                                                            std::span<const ray> rays,
                                                            const query_filter& filter) {
@@ -145,7 +143,7 @@ template <wanted What, class Scenario>
   }
   return ask<What>(w, what, filter, point_probe{}, all, fault);
 }
-template <wanted What, class Scenario, class Shape>
+template <query_kind What, class Scenario, class Shape>
 [[nodiscard]] std::vector<std::vector<query_hit>> ask_paths(world<Scenario>& w, const char* what,
                                                             const Shape& shape,
                                                             std::span<const shape_path> paths,
@@ -189,14 +187,14 @@ template <class Scenario>
 [[nodiscard]] std::vector<query_hit> cast_rays(world<Scenario>& w, std::span<const ray> rays,
                                                const query_filter& filter = {}) {
   return detail::first_of_each(
-      detail::ask_rays<detail::wanted::first>(w, "cast_rays", rays, filter));
+      detail::ask_rays<detail::query_kind::first>(w, "cast_rays", rays, filter));
 }
 /// Collective: all bodies on each ray, each where the ray enters it first, by their distances. An
 /// image in periodic space counts as a body. Otherwise as cast_rays().
 template <class Scenario>
 [[nodiscard]] std::vector<std::vector<query_hit>> cast_rays_through(
     world<Scenario>& w, std::span<const ray> rays, const query_filter& filter = {}) {
-  return detail::ask_rays<detail::wanted::all>(w, "cast_rays_through", rays, filter);
+  return detail::ask_rays<detail::query_kind::all>(w, "cast_rays_through", rays, filter);
 }
 /// Collective: the first body that a shape meets on each way, as cast_rays(); `distance` is that of
 /// the way. It is too short by at most 1e-9 of the two bounding radii over the cosine of the angle
@@ -208,14 +206,14 @@ template <class Scenario, class Shape>
                                                 std::span<const shape_path> paths,
                                                 const query_filter& filter = {}) {
   return detail::first_of_each(
-      detail::ask_paths<detail::wanted::first>(w, "cast_shape", shape, paths, filter));
+      detail::ask_paths<detail::query_kind::first>(w, "cast_shape", shape, paths, filter));
 }
 /// Collective: all bodies that a shape meets on each way, by their distances. See cast_shape().
 template <class Scenario, class Shape>
 [[nodiscard]] std::vector<std::vector<query_hit>> cast_shape_through(
     world<Scenario>& w, const Shape& shape, std::span<const shape_path> paths,
     const query_filter& filter = {}) {
-  return detail::ask_paths<detail::wanted::all>(w, "cast_shape_through", shape, paths, filter);
+  return detail::ask_paths<detail::query_kind::all>(w, "cast_shape_through", shape, paths, filter);
 }
 /// Collective: the bodies that a shape would overlap at each pose, by their ids: `distance` is
 /// minus the depth of the deepest contact, `point` and `normal` are those of that contact. Each
@@ -239,8 +237,8 @@ template <class Scenario, class Shape>
       all.push_back(
           {.from = p.position, .turn = p.orientation, .number = static_cast<std::uint32_t>(n)});
     }
-    found = detail::ask<detail::wanted::overlaps>(w, what, filter,
-                                                  detail::overlap_probe<Shape>{shape}, all, fault);
+    found = detail::ask<detail::query_kind::overlaps>(
+        w, what, filter, detail::overlap_probe<Shape>{shape}, all, fault);
   }
   for (auto& hits : found)
     std::sort(hits.begin(), hits.end(),
@@ -269,7 +267,7 @@ template <class Scenario>
           within, w.rank());
     all.push_back({p, {1, 0, 0, 0}, vec3(0, 0, 0), within, no_id, static_cast<std::uint32_t>(n)});
   }
-  return detail::first_of_each(detail::ask<detail::wanted::nearest>(
+  return detail::first_of_each(detail::ask<detail::query_kind::nearest>(
       w, "nearest_bodies", filter, detail::point_probe{}, all, fault));
 }
 /// Collective: the bodies whose centres are in a region, by their ids, on all ranks: `point` is the
