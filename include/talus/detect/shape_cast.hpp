@@ -65,16 +65,19 @@ template <class FormA, class FormB, class Real = real>
     }
     const Real gap = found.gap - rounding;
     if (k == 0 && start == 0 && gap <= 0) return hit_at_start(from.position, d);
-    normal = found.normal;
-    on_b = found.on_b + view_b.rounding() * normal;
+    const vector n = found.normal;
     // A lower bound of the gap, whose rounding errors are those of the two points alone.
-    const Real bound = pair.gap_along(normal) - rounding, closing = -normal.dot(d);
-    if (!(closing > 0)) return {};
-    if (gap <= close) {
-      if (bound > 0) way += std::min(bound / closing, close);
+    const Real bound = pair.gap_along(n) - rounding, closing = -n.dot(d);
+    const bool reached = gap <= close;
+    if (closing > 0 || k == 0) normal = n;  // a direction of nearly nothing may be any
+    on_b = found.on_b + view_b.rounding() * normal;
+    if (!(closing > 0) && (bound > 0 || k == 0) && !(reached && k > 0)) return {};
+    if (reached || !(closing > 0) || !(bound > 0)) {
+      if (closing > 0 && bound > 0) way += bound / closing;
       break;
     }
-    const Real next = way + bound / closing;
+    // Half of the tolerance is left, so that there are nearest points and a normal.
+    const Real next = way + (bound - close / 2) / closing;
     if (!(start + next <= length)) return {};
     if (!(next > way)) break;
     way = next;
