@@ -14,6 +14,7 @@
 #include <talus/mesh.hpp>
 #include <talus/observe.hpp>
 #include <talus/observe/bond_breaks.hpp>
+#include <talus/queries.hpp>
 #include <talus/talus.hpp>
 #include <talus/vtk.hpp>
 #include <vector>
@@ -139,6 +140,33 @@ TEST_CASE("measure: events") {
     world.simulate({.steps = 100, .dt = 0.01});
     CHECK(passed.size() == 2);
     CHECK(total_events(world)[2] == 3);
+  });
+}
+
+TEST_CASE("measure: what a ray meets, and whether a place is free") {
+  using plain = scenario<bodies<sphere, plane>, hard_contact<>, decomposition<grid<dynamic>>>;
+  on_ranks<plain>(2, [](auto& world) {
+    world.decompose({.lower = {-3}, .upper = {3}});
+    const auto stone = world.material({});
+    world.global([&](auto& scope) { scope.add(plane{}, stone); });
+    for (const real x : {-1.3, 0., 1.3})
+      world.add_if_local(body{.shape = sphere{0.5}, .position = {x, 0, 0.5}, .material = stone});
+    const std::array beams{ray{.from = {0, 0, 9}}, ray{.from = {2, 0, 9}}};
+    const std::vector<query_hit> hits = cast_rays(world, beams);  // downwards by default
+    const std::array places{pose{{0, 0, 0.8}}, pose{{0, 0, 3}}};
+    const auto in_the_way = find_overlaps(world, sphere{0.4}, places);
+    const bool is_free = in_the_way[1].empty();
+    double highest = 0;
+    const std::vector<shape_path> ways{{.from = {0, 0, 5}, .direction = {0, 0, -1}, .length = 10}};
+    const query_hit landing = cast_shape(world, box{{0.2, 0.2, 0.2}}, ways)[0];
+    if (landing) highest = landing.point[2];
+    CHECK(hits[0].distance == doctest::Approx(8).epsilon(1e-12));
+    CHECK(handle_of<sphere>(world, hits[0]).has_value());
+    CHECK(hits[1].id != hits[0].id);
+    CHECK(in_the_way[0].size() == 1);
+    CHECK(in_the_way[0][0].distance == doctest::Approx(-0.6));
+    CHECK(is_free);
+    CHECK(highest == doctest::Approx(1));
   });
 }
 
