@@ -123,6 +123,9 @@ concept finite_shape = shape<Shape> && Shape::finite &&
 /// - `form()`: its flat faces and straight edges, one of the forms of shape/convex_form.hpp
 /// - `inner_radius()`: of a ball about the centre of mass inside the shape
 /// - `numbers`: the names of its numbers, in the order of its members, for checkpoints and Python
+/// A shape without form() is tested when bodies with it are added: its support function must be
+/// that of a convex body with the centre of mass inside, and within the bounds
+/// (shape/support_check.hpp).
 template <class Shape>
 concept convex_shape = finite_shape<Shape> && !requires(const Shape& s) {
   s.parts();

@@ -92,10 +92,10 @@ class Foreign(unittest.TestCase):
             with_array(self.folder / file, name, lambda g, n: g.__setitem__(n, np.full(COUNT, 6, "u1")))
         self.assertEqual(set(talus.open(self.folder / "o")[0].shapes), {"own"})
         head = json.loads(self.server.ask()[1])["heads"][0]
-        self.assertEqual(len(head["forms"]), COUNT)
+        self.assertEqual((len(head["forms"]), head["shapes"]), (COUNT, "own"))
         with urllib.request.urlopen(f"http://{self.server.host}/{self.server.token}/frame/0") as answer:
             begin = head["blocks"]["new_shape"][1]
-            self.assertEqual(set(answer.read()[begin:begin + COUNT]), {4})
+            self.assertEqual(set(answer.read()[begin:begin + COUNT]), {7})
 
     def test_what_leads_to_other_files_is_refused(self):
         other = self.outer / "other.hdf"
