@@ -4,6 +4,7 @@
 #include <cmath>
 #include <talus/parallel/serial.hpp>
 #include <talus/shape/ellipsoid.hpp>
+#include <talus/shape/superellipsoid.hpp>
 #include <talus/world/world.hpp>
 
 using namespace talus;
@@ -60,4 +61,25 @@ TEST_CASE("an ellipsoid presses on a plane as Hertz's theory of elliptic contact
     CHECK(force_on_plane(ellipsoid{{c, a, b}}, rotation(vec3(1, 1, 1).normalized(), -2 * pi / 3),
                          c - overlap) == doctest::Approx(wanted).epsilon(5e-3));
   }
+}
+
+TEST_CASE("a superellipsoid presses on a plane with the curvatures of the place that touches") {
+  const real overlap = 1e-4;
+  const ellipsoid egg{{1, 0.7, 1.3}};
+  const quat turn = rotation({1, 2, 0}, 0.8);
+  const auto reach = [&](const auto& s) {
+    const vec3 down = turn.conjugate() * vec3(0, 0, -1);
+    return down.dot(s.support(down));
+  };
+  CHECK(force_on_plane(superellipsoid{egg.radii}, turn, reach(egg) - overlap) ==
+        doctest::Approx(force_on_plane(egg, turn, reach(egg) - overlap)).epsilon(1e-9));
+  // On its edge, a blocky one is sharper; on its flat top the radius counts as 10 times its reach.
+  const superellipsoid block{egg.radii, 6, 6};
+  CHECK(force_on_plane(block, turn, reach(block) - overlap) <
+        0.9 * force_on_plane(egg, turn, reach(egg) - overlap));
+  const real flat = 10 * block.bounding_radius();
+  CHECK(force_on_plane(block, {1, 0, 0, 0}, 1.3 - overlap) ==
+        doctest::Approx(4. / 3 * modulus / (1 - poisson * poisson) / 2 * std::sqrt(flat) *
+                        std::pow(overlap, 1.5))
+            .epsilon(5e-3));
 }

@@ -11,11 +11,12 @@ namespace detail {
 [[nodiscard]] inline double_double stirling(double z) {
   const double r = 1 / z, square = r * r;
   const double tail =
-      r * (1.0 / 12 -
-           square * (1.0 / 360 -
-                     square * (1.0 / 1260 -
-                               square * (1.0 / 1680 - square * (1.0 / 1188 -
-                                                                square * (691.0 / 360360))))));
+      r *
+      (1.0 / 12 -
+       square *
+           (1.0 / 360 -
+            square * (1.0 / 1260 -
+                      square * (1.0 / 1680 - square * (1.0 / 1188 - square * (691.0 / 360360))))));
   return double_double{z - 0.5, 0} * precise_log(z) + double_double{tail, 0};
 }
 

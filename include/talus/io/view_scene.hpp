@@ -135,7 +135,7 @@ class view_writer {
       if (!add(complement(c.geometry))) return out.domain.clear();
   }
 
-  surface_faces surface_;             ///< of one body, in its frame
+  surface_faces surface_;  ///< of one body, in its frame
   shape_numbers numbers_;
   plain_vector<std::uint64_t> sent_;  ///< forms that rank 0 has, in order
 };

@@ -13,8 +13,8 @@ namespace talus {
 
 /// The points with (|x/a|^n2 + |y/b|^n2)^(n1/n2) + |z/c|^n1 <= 1, for the radii a, b and c. With
 /// both exponents 2 it is an ellipsoid; larger ones make it blockier: n2 its section across the z
-/// axis, n1 those through it. The exponents lie between 2 and 8: below 2 it has sharp edges, below 1
-/// it is not convex, and above 8 its edges are so narrow that a box or a cylinder is the better
+/// axis, n1 those through it. The exponents lie between 2 and 8: below 2 it has sharp edges, below
+/// 1 it is not convex, and above 8 its edges are so narrow that a box or a cylinder is the better
 /// shape.
 struct superellipsoid {
   vec3 radii{1, 1, 1};  ///< semi-axes, lengths above zero
@@ -34,7 +34,8 @@ struct superellipsoid {
     detail::require_size(radii[2], "the z radius of a superellipsoid");
     if (!(n1 >= 2 && n1 <= 8) || !(n2 >= 2 && n2 <= 8))
       detail::fail<std::invalid_argument>(
-          "the exponents n1 and n2 of a superellipsoid lie between 2, an ellipsoid, and 8, nearly a "
+          "the exponents n1 and n2 of a superellipsoid lie between 2, an ellipsoid, and 8, nearly "
+          "a "
           "box, but are {} and {}: below 2 it has sharp edges; with more than 8 use a box or a "
           "cylinder. (The exponents e of other conventions are 2 / n.)",
           n1, n2);
@@ -86,9 +87,7 @@ struct superellipsoid {
   }
   [[nodiscard]] vec3 half_extents(const pose& at) const {
     const mat3 axes = at.orientation.toRotationMatrix();
-    const auto along = [&](int i) {
-      return dual(vec3(axes(i, 0), axes(i, 1), axes(i, 2))).value;
-    };
+    const auto along = [&](int i) { return dual(vec3(axes(i, 0), axes(i, 1), axes(i, 2))).value; };
     return {along(0), along(1), along(2)};
   }
   /// How the furthest point moves if a unit direction turns: the derivative of `support`, a

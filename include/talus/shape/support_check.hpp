@@ -1,6 +1,6 @@
 #pragma once
-// Whether the support function of a shape is that of a convex body, at sampled directions. A mistake
-// there would show as bodies that sink into each other, far from its cause.
+// Whether the support function of a shape is that of a convex body, at sampled directions. A
+// mistake there would show as bodies that sink into each other, far from its cause.
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -21,8 +21,8 @@ struct untested_shape {
   vec3 (*half_extents)(const void*, const pose& at);
 };
 
-/// Throws invalid_argument with the direction and the values unless, for 98 directions, support() is
-/// the furthest of all points found, depends on no length, and lies within the bounds.
+/// Throws invalid_argument with the direction and the values unless, for 98 directions, support()
+/// is the furthest of all points found, depends on no length, and lies within the bounds.
 [[gnu::cold]] inline void require_convex_support(const untested_shape& s) {
   constexpr real small = 1e-6;
   const real slack = small * s.bounding_radius;
@@ -111,32 +111,32 @@ struct untested_shape {
 
 /// Whether the support function of a shape is all that is known of it.
 template <class Shape>
-inline constexpr bool untested_support = concepts::convex_shape<Shape> && !requires(const Shape& s) {
+inline constexpr bool untested_support =
+    concepts::convex_shape<Shape> && !requires(const Shape& s) {
   s.form();
 };
 /// The same, or that of a part of a union.
 template <class Shape>
 inline constexpr bool has_untested_support = untested_support<Shape>;
 template <template <class...> class Union, class... Parts>
-inline constexpr bool has_untested_support<Union<Parts...>> =
-    untested_support<Union<Parts...>> || (... || untested_support<Parts>);
+inline constexpr bool has_untested_support<Union<Parts...>> = untested_support<Union<Parts...>> ||
+                                                              (... || untested_support<Parts>);
 
-/// Tests a shape, or the parts of a union: of each type the first 64 values that differ from the one
-/// before, on each thread.
+/// Tests a shape, or the parts of a union: of each type the first 64 values that differ from the
+/// one before, on each thread.
 template <class Shape>
 void require_convex(const Shape& s) {
   if constexpr (untested_support<Shape>) {
     thread_local int left = 64;
     thread_local Shape last;
     if (left == 0 || (left < 64 && s == last)) return;
-    require_convex_support(
-        {&s, Shape::name, s.bounding_radius(),
-         [](const void* shape, const vec3& d) -> vec3 {
-           return static_cast<const Shape*>(shape)->support(d);
-         },
-         [](const void* shape, const pose& at) -> vec3 {
-           return static_cast<const Shape*>(shape)->half_extents(at);
-         }});
+    require_convex_support({&s, Shape::name, s.bounding_radius(),
+                            [](const void* shape, const vec3& d) -> vec3 {
+                              return static_cast<const Shape*>(shape)->support(d);
+                            },
+                            [](const void* shape, const pose& at) -> vec3 {
+                              return static_cast<const Shape*>(shape)->half_extents(at);
+                            }});
     last = s, --left;
   } else if constexpr (requires { s.each_part([](const auto&, const pose&) {}); }) {
     s.each_part([](const auto& part, const pose&) { require_convex(part); });

@@ -99,8 +99,11 @@ class common_normal {
  public:
   common_normal(const superellipsoid_pair<Real>& pair, const vector& on_a, const vector& normal,
                 Real gap)
-      : a_(pair.a), b_(pair.b), size_a_(a_.shape().radii.maxCoeff()),
-        size_b_(b_.shape().radii.maxCoeff()), now_{on_a, normal, gap, 0, 0} {}
+      : a_(pair.a),
+        b_(pair.b),
+        size_a_(a_.shape().radii.maxCoeff()),
+        size_b_(b_.shape().radii.maxCoeff()),
+        now_{on_a, normal, gap, 0, 0} {}
 
   /// Whether they are found to rounding errors, within 40 steps.
   [[nodiscard]] bool find() {
@@ -134,8 +137,9 @@ class common_normal {
     Real gap, of_a, of_b;
     [[nodiscard]] vector on_b() const { return on_a - gap * normal; }
     [[nodiscard]] unknowns moved(Real part, const std::array<Real, count>& by) const {
-      return {on_a + part * vector(by[0], by[1], by[2]), normal + part * vector(by[3], by[4], by[5]),
-              gap + part * by[6], of_a + part * by[7], of_b + part * by[8]};
+      return {on_a + part * vector(by[0], by[1], by[2]),
+              normal + part * vector(by[3], by[4], by[5]), gap + part * by[6], of_a + part * by[7],
+              of_b + part * by[8]};
     }
   };
   struct residual {
@@ -147,9 +151,9 @@ class common_normal {
   [[nodiscard]] residual residual_of(const unknowns& x) const {
     residual r{a_.gauge(x.on_a, size_a_), b_.gauge(x.on_b(), size_b_), {}, 0};
     const vector of_a = r.a.gradient + x.of_a * x.normal, of_b = r.b.gradient - x.of_b * x.normal;
-    r.values = {of_a[0],         of_a[1],         of_a[2],
-                of_b[0],         of_b[1],         of_b[2],
-                r.a.value - 1,   r.b.value - 1,   Real(0.5) * (x.normal.squaredNorm() - 1)};
+    r.values = {of_a[0],       of_a[1],       of_a[2],
+                of_b[0],       of_b[1],       of_b[2],
+                r.a.value - 1, r.b.value - 1, Real(0.5) * (x.normal.squaredNorm() - 1)};
     for (const Real v : r.values) r.size += v * v;
     r.size = std::sqrt(r.size);
     return r;

@@ -68,8 +68,8 @@ class superellipsoid_contact {
     normal_ = search.normal(), gap_ = search.gap(), middle_ = search.middle();
     if (gap_ >= 0) return true;
     // Of overlapping bodies, a normal may be worse than those around it.
-    const vector t = normal_.cross(vector::Unit(std::abs(normal_[0]) < Real(0.6) ? 0 : 1))
-                         .normalized();
+    const vector t =
+        normal_.cross(vector::Unit(std::abs(normal_[0]) < Real(0.6) ? 0 : 1)).normalized();
     const symmetric_2<Real> m = pair_.bend(normal_, {}, t, normal_.cross(t));
     return m.aa + gap_ > 0 && (m.aa + gap_) * (m.bb + gap_) > m.ab * m.ab;
   }

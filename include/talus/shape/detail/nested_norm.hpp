@@ -51,8 +51,7 @@ struct bending {
 
   /// Each factor at most such that the matrix is at most `most`.
   void bound(real most) {
-    for (int k = 0; k < 2; ++k)
-      factor[k] = std::min(factor[k], most / along[k].squaredNorm());
+    for (int k = 0; k < 2; ++k) factor[k] = std::min(factor[k], most / along[k].squaredNorm());
   }
 };
 
