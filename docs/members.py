@@ -31,6 +31,8 @@ SHEET = [
         ("shape/box.hpp", "box", "box"),
         ("shape/capsule.hpp", "capsule", "capsule"),
         ("shape/cylinder.hpp", "cylinder", "cylinder"),
+        ("shape/ellipsoid.hpp", "ellipsoid", "ellipsoid"),
+        ("shape/superellipsoid.hpp", "superellipsoid", "superellipsoid"),
         ("shape/plane.hpp", "plane", "plane"),
         ("shape/convex_polyhedron.hpp", "convex_polyhedron", "convex_polyhedron"),
         ("shape/union_of.hpp", "union_of", "union_of<Shapes...>"),

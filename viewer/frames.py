@@ -139,7 +139,7 @@ class Converter:
         data["shape"] = data["shape"] + (data["shape"] >= OWN)  # with its faces, or as a box, as in pages of programs
         blocks, head, notes = Blocks(), {"step": step, "time": time}, []
         if (data["shape"] > OWN).any():
-            head["shapes"] = "\n".join(own)
+            head["shapes"] = "".join(name + "\n" for name in own)
         finite = (np.abs(points) < LARGEST).all(axis=1)
         for name in ("velocity", "size") + (("orientation",) if "orientation" in data else ()):
             finite &= (np.abs(data[name]) < LARGEST).all(axis=1)
