@@ -205,7 +205,7 @@ TEST_CASE("a superellipsoid has its support where directions have no or tiny com
         CHECK(p[k] == doctest::Approx(s.radii[k]));
         CHECK(p[(k + 1) % 3] >= 0);
         CHECK(p[(k + 2) % 3] == 0);
-        CHECK(s.bend(d).allFinite());
+        CHECK((s.bend(d) * vec3(1, 1, 1)).allFinite());
       }
     }
   CHECK(s.support({0, 0, 0}) == vec3(0, 0, 0));
