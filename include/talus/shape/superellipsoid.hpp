@@ -95,14 +95,7 @@ struct superellipsoid {
   /// the surface is flat, on its axes, these have no bound: they count as 10 times the bounding
   /// radius at most.
   [[nodiscard]] mat3 bend(const vec3& direction) const {
-    detail::bending b = bending_along(direction);
-    b.bound(10 * bounding_radius());
-    mat3 m;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        m(i, j) = b.factor[0] * b.along[0][i] * b.along[0][j] +
-                  b.factor[1] * b.along[1][i] * b.along[1][j];
-    return m;
+    return bending_along(direction).within(unit(direction), 10 * bounding_radius());
   }
   /// The same without that bound.
   [[nodiscard]] detail::bending bending_along(const vec3& direction) const {
