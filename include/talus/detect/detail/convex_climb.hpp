@@ -34,10 +34,12 @@ struct summit_of {
 /// along n with their difference, from which a component along `line` (a unit vector, or zero) is
 /// removed; normals stay across the line. `pair.bend(n, p, t, u)` gives minus the derivative of the
 /// difference along the tangents t and u. The result is `beyond` as soon as the gap of any normal
-/// is above `limit`; `lost` if this is no maximum within 1e-10 of `scale` (a length).
+/// is above `limit`; `lost` if this is no maximum within 1e-10 of `scale` (a length), and as soon
+/// as the two points are less than `near` (a length) apart across the normal.
 template <class Real, class Pair>
 [[nodiscard]] summit_of<Real> climb(const Pair& pair, const vector3<Real>& start,
-                                    const vector3<Real>& line, Real limit, Real scale) {
+                                    const vector3<Real>& line, Real limit, Real scale,
+                                    Real near = 0) {
   using vector = vector3<Real>;
   const bool bound = line.squaredNorm() > 0;
   const auto unit_across = [&](const vector& v) {
@@ -61,6 +63,7 @@ template <class Real, class Pair>
     const vector u = n.cross(t);
     const Real rt = t.dot(found.at.w), ru = bound ? Real(0) : u.dot(found.at.w);
     const Real rest = std::abs(rt) + std::abs(ru);
+    if (rest < near) return found;
     symmetric_2<Real> m = pair.bend(n, found.at, t, u);
     if (bound) m.ab = 0, m.bb = 1;
     const Real trace = m.aa + m.bb, g = found.gap;

@@ -44,10 +44,16 @@ class superellipsoid_contact {
     const vector start = pair_.start();
     if (!(start.squaredNorm() > 0)) return result::unknown;
     const Real size = b_.centre().norm() + smallest_;
-    const summit_of<Real> s = climb<Real>(pair_, start, vector::Zero(), margin_, size);
+    // Where a surface is flat, the best normal is near after a few steps, but its points are not.
+    summit_of<Real> s =
+        climb<Real>(pair_, start, vector::Zero(), margin_, size, Real(0.1) * smallest_);
+    bool good = s.state != climbed::beyond && improve(s.at.a, s.normal, s.gap);
+    if (s.state != climbed::beyond && !good) {
+      s = climb<Real>(pair_, s.normal, vector::Zero(), margin_, size);
+      good = s.state != climbed::beyond && improve(s.at.a, s.normal, s.gap);
+    }
     if (s.state == climbed::beyond) return result::beyond;
-    // (Where a surface is flat, the normal is good, but the points are not, and the state is lost.)
-    if (s.gap < Real(-0.1) * smallest_ || !improve(s.at.a, s.normal, s.gap)) return result::unknown;
+    if (!good || gap_ < Real(-0.1) * smallest_) return result::unknown;
     return gap_ <= margin_ ? result::touching : result::beyond;
   }
   /// From a contact that the general routine has found; it stays as it is if there is no better one
