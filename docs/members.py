@@ -168,7 +168,7 @@ POLICIES = ["scenario", "bodies", "hard_contact", "soft_contact", "solver", "bro
             "transport", "precision", "features", "joints"]
 
 # For those who extend the library, not for those who use what it has.
-INSIDE = {"pack", "bending_along", "gauge", "resolve", "half_extents", "support", "describe", "for_each_in", "extent", "as_grid", "reach_from",
+INSIDE = {"pack", "bending_along", "level", "resolve", "half_extents", "support", "describe", "for_each_in", "extent", "as_grid", "reach_from",
           "mesh", "tree", "state", "frame", "operator=", "add_body", "decomposition_lower", "reach_of_axis"}
 INSIDE_OF = {"convergence": {"add", "add_residual"}, "body_count": {"add", "remove"},
              "simple_cubic": {"step", "shift"}, "body_centred_cubic": {"step", "shift"},

@@ -238,16 +238,16 @@ TEST_CASE("the chord of a line in a superellipsoid ends on its surface") {
     const chord c = s.chord(p, k % 11 == 0 ? vec3(0, 0, -2) : d);
     const vec3 way = k % 11 == 0 ? vec3(0, 0, -2) : d;
     real least = 1e9;
-    for (int m = -300; m <= 300; ++m) least = std::min(least, s.gauge(p + (0.02 * m) * way).value);
+    for (int m = -300; m <= 300; ++m) least = std::min(least, s.level(p + (0.02 * m) * way).value);
     if (c.empty()) {
       CHECK(least > 1 - 1e-4);
       ++misses;
       continue;
     }
     ++hits;
-    CHECK(std::abs(s.gauge(p + c.from * way).value - 1) < 1e-12);
-    CHECK(std::abs(s.gauge(p + c.to * way).value - 1) < 1e-12);
-    CHECK(s.gauge(p + 0.5 * (c.from + c.to) * way).value < 1);
+    CHECK(std::abs(s.level(p + c.from * way).value - 1) < 1e-12);
+    CHECK(std::abs(s.level(p + c.to * way).value - 1) < 1e-12);
+    CHECK(s.level(p + 0.5 * (c.from + c.to) * way).value < 1);
   }
   CHECK(hits > 500);
   CHECK(misses > 500);

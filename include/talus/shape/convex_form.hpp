@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "talus/core/math.hpp"
+#include "talus/shape/surface_level.hpp"
 
 namespace talus {
 
@@ -42,6 +43,8 @@ struct smooth_form {
   vec3 (*support)(const void*, const vec3& direction) = nullptr;
   real thickness = 0;  ///< half of the smallest, about
   real inner = 0;      ///< radius of a ball about the origin that is inside
+  /// Its surface, or null: the general search needs it for exact points where the shape is flat.
+  surface_level (*level)(const void*, const vec3& point) = nullptr;
   [[nodiscard]] int corners() const { return 1; }
 };
 
@@ -58,6 +61,10 @@ template <class Shape>
                   }};
     f.thickness = s.half_extents(pose{}).minCoeff();
     if constexpr (requires { s.inner_radius(); }) f.inner = s.inner_radius();
+    if constexpr (requires { s.level(vec3{}); })
+      f.level = [](const void* shape, const vec3& point) -> surface_level {
+        return static_cast<const Shape*>(shape)->level(point);
+      };
     return f;
   }
 }

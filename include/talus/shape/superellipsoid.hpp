@@ -73,8 +73,8 @@ struct superellipsoid {
     if (ball.empty()) return detail::no_chord;
     const auto reaches_end = [&](real& t, real side) {
       for (int k = 0; k < 60; ++k) {
-        const detail::nested_norm at = gauge(p + t * d);
-        const real rise = side * at.gradient.cwiseQuotient(radii).dot(d);
+        const surface_level at = level(p + t * d);
+        const real rise = side * at.gradient.dot(d);
         if (!(rise > 0)) return false;  // beyond the point of the line that is nearest
         const real step = (at.value - 1) / rise;
         t -= side * step;
@@ -103,9 +103,13 @@ struct superellipsoid {
     for (vec3& v : b.along) v = v.cwiseProduct(radii);
     return b;
   }
-  /// The norm of which it is the unit ball: 1 on its surface; as a function of x / a, y / b, z / c.
-  [[nodiscard]] detail::nested_norm gauge(const vec3& p) const {
-    return {p.cwiseQuotient(radii), detail::norm_exponent::of(n2), detail::norm_exponent::of(n1)};
+  /// The norm of which it is the unit ball.
+  [[nodiscard]] surface_level level(const vec3& p) const {
+    const detail::nested_norm n(detail::off_the_axis(p.cwiseQuotient(radii)),
+                                detail::norm_exponent::of(n2), detail::norm_exponent::of(n1));
+    surface_level l{n.value, n.gradient.cwiseQuotient(radii), n.curvature};
+    for (vec3& v : l.curvature.along) v = v.cwiseQuotient(radii);
+    return l;
   }
 
   friend bool operator==(const superellipsoid&, const superellipsoid&) = default;

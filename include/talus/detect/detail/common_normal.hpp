@@ -1,114 +1,52 @@
 #pragma once
-// The common normal of two superellipsoids. The point that a normal belongs to moves without bound
-// where the surface is flat, so the points themselves are unknowns beside the normal here.
+// The common normal of two surfaces. The point that a normal belongs to moves without bound where a
+// surface is flat, so the points themselves are unknowns beside the normal here.
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <initializer_list>
+#include <utility>
 
-#include "talus/detect/detail/convex_climb.hpp"
-#include "talus/shape/superellipsoid.hpp"
+#include "talus/core/math.hpp"
+#include "talus/shape/surface_level.hpp"
 
 namespace talus::detail {
 
-/// A posed superellipsoid. All lengths are multiples of a unit.
+/// A ball or a cylinder about a corner or a line, which have no normals themselves.
 template <class Real>
-class placed_superellipsoid {
+struct round_part {
   using vector = vector3<Real>;
+  vector from, axis;  ///< a unit vector, or zero for a ball
+  Real radius;
 
- public:
-  placed_superellipsoid(const superellipsoid& s, const quat& turn, const vector& at, Real unit)
-      : shape_(s), centre_(at), axes_(turn.toRotationMatrix()) {
-    shape_.radii = shape_.radii / unit;
-  }
-  [[nodiscard]] const vector& centre() const { return centre_; }
-  [[nodiscard]] const superellipsoid& shape() const { return shape_; }
-  [[nodiscard]] vector support(const vector& direction) const {
-    return centre_ + axes_ * shape_.support(axes_.transpose() * direction);
-  }
-  /// The derivative of that along unit directions.
-  [[nodiscard]] bending bends(const vector& direction) const {
-    bending b = shape_.bending_along(axes_.transpose() * direction);
-    b.bound(Real(1e12));
-    for (vector& v : b.along) v = axes_ * v;
-    return b;
-  }
-  /// The function that is 1 on the surface, with its derivatives times `size`.
-  [[nodiscard]] nested_norm gauge(const vector& p, Real size) const {
-    const vector local = axes_.transpose() * (p - centre_);
-    nested_norm n = shape_.gauge(off_the_axis(local));
-    n.gradient = size * (axes_ * n.gradient.cwiseQuotient(shape_.radii));
-    for (vector& v : n.curvature.along) v = axes_ * v.cwiseQuotient(shape_.radii);
-    for (Real& f : n.curvature.factor) f *= size;
-    return n;
-  }
-  /// The matrix of the ellipsoid with the same radii, whose furthest point along n is M n over the
-  /// root of n.M n.
-  [[nodiscard]] matrix3<Real> ellipsoid() const {
-    matrix3<Real> m;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        m(i, j) = 0;
-        for (int k = 0; k < 3; ++k)
-          m(i, j) += axes_(i, k) * axes_(j, k) * (shape_.radii[k] * shape_.radii[k]);
-      }
-    return m;
-  }
-
- private:
-  superellipsoid shape_;
-  vector centre_;
-  matrix3<Real> axes_;
-};
-
-/// The difference of two superellipsoids, for climb().
-template <class Real>
-struct superellipsoid_pair {
-  using vector = vector3<Real>;
-  const placed_superellipsoid<Real>&a, &b;
-
-  [[nodiscard]] difference_point<Real> at(const vector& n) const {
-    difference_point<Real> p{a.support(-n), b.support(n), {}};
-    p.w = p.a - p.b;
-    return p;
-  }
-  [[nodiscard]] symmetric_2<Real> bend(const vector& n, const difference_point<Real>&,
-                                       const vector& t, const vector& u) const {
-    symmetric_2<Real> sum;
-    for (const bending& m : {a.bends(-n), b.bends(n)})
-      for (int k = 0; k < 2; ++k) {
-        const Real x = t.dot(m.along[k]), y = u.dot(m.along[k]);
-        sum.aa += m.factor[k] * x * x, sum.ab += m.factor[k] * x * y;
-        sum.bb += m.factor[k] * y * y;
-      }
-    return sum;
-  }
-  /// The best normal of two ellipsoids of one form and orientation.
-  [[nodiscard]] vector start() const {
-    const matrix3<Real> s = a.ellipsoid() + b.ellipsoid();
-    const vector x = s.col(0), y = s.col(1), z = s.col(2), d = a.centre() - b.centre();
-    return vector(y.cross(z).dot(d), z.cross(x).dot(d), x.cross(y).dot(d));
+  [[nodiscard]] surface_level level(const vector& p, Real size) const {
+    const vector away = p - from, across = away - axis.dot(away) * axis;
+    const Real distance = across.norm(), bend = size / (distance * radius);
+    const vector out = across / distance;
+    const bool ball = !(axis.squaredNorm() > 0);
+    const vector t =
+        (ball ? out.cross(vector::Unit(std::abs(out[0]) < Real(0.6) ? 0 : 1)).normalized()
+              : axis.cross(out));
+    return {distance / radius, (size / radius) * out, {{bend, ball ? bend : 0}, {t, out.cross(t)}}};
   }
 };
 
-/// The points of two superellipsoids with opposite normals on one line, by Newton's method for the
-/// point of a, the normal, the gap, and the lengths of the two gradients.
-template <class Real>
+/// The points of two surfaces with opposite normals on one line, by Newton's method for the point
+/// of a, the normal, the gap, and the lengths of the two gradients.
+template <class Real, class A, class B>
 class common_normal {
   using vector = vector3<Real>;
 
  public:
-  common_normal(const superellipsoid_pair<Real>& pair, const vector& on_a, const vector& normal,
-                Real gap)
-      : a_(pair.a),
-        b_(pair.b),
-        size_a_(a_.shape().radii.maxCoeff()),
-        size_b_(b_.shape().radii.maxCoeff()),
-        now_{on_a, normal, gap, 0, 0} {}
+  common_normal(const A& a, Real size_a, const B& b, Real size_b, const vector& on_a,
+                const vector& normal, Real gap)
+      : a_(a), b_(b), size_a_(size_a), size_b_(size_b), now_{on_a, normal, gap, 0, 0} {}
 
   /// Whether they are found to rounding errors, within 40 steps.
   [[nodiscard]] bool find() {
-    now_.of_a = a_.gauge(now_.on_a, size_a_).gradient.norm();
-    now_.of_b = b_.gauge(now_.on_b(), size_b_).gradient.norm();
+    now_.of_a = a_.level(now_.on_a, size_a_).gradient.norm();
+    now_.of_b = b_.level(now_.on_b(), size_b_).gradient.norm();
     residual rest = residual_of(now_);
     for (int k = 0; k < 40 && rest.size > Real(2e-15); ++k) {
       if (!solve(rest)) break;
@@ -126,6 +64,7 @@ class common_normal {
   }
   [[nodiscard]] vector normal() const { return now_.normal.normalized(); }
   [[nodiscard]] Real gap() const { return now_.gap; }
+  [[nodiscard]] const vector& on_a() const { return now_.on_a; }
   /// Halfway between the two points.
   [[nodiscard]] vector middle() const { return now_.on_a - Real(0.5) * now_.gap * now_.normal; }
 
@@ -143,13 +82,13 @@ class common_normal {
     }
   };
   struct residual {
-    nested_norm a, b;
+    surface_level a, b;
     std::array<Real, count> values;
     Real size;
   };
 
   [[nodiscard]] residual residual_of(const unknowns& x) const {
-    residual r{a_.gauge(x.on_a, size_a_), b_.gauge(x.on_b(), size_b_), {}, 0};
+    residual r{a_.level(x.on_a, size_a_), b_.level(x.on_b(), size_b_), {}, 0};
     const vector of_a = r.a.gradient + x.of_a * x.normal, of_b = r.b.gradient - x.of_b * x.normal;
     r.values = {of_a[0],       of_a[1],       of_a[2],
                 of_b[0],       of_b[1],       of_b[2],
@@ -176,7 +115,12 @@ class common_normal {
       m[8][3 + i] = n[at(i)];
     }
     m[7][6] = -r.b.gradient.dot(n) / size_b_;
-    for (std::size_t i = 0; i < count; ++i) m[i][count] = -r.values[i];
+    // Lengths are in units of the smaller size, so that all numbers have similar magnitudes.
+    const Real unit = std::min(size_a_, size_b_);
+    for (std::size_t i = 0; i < count; ++i) {
+      m[i][count] = -r.values[i];
+      for (const std::size_t j : {0u, 1u, 2u, 6u}) m[i][j] *= unit;
+    }
     for (std::size_t i = 0; i < count; ++i) {
       std::size_t best = i;
       for (std::size_t j = i + 1; j < count; ++j)
@@ -195,6 +139,7 @@ class common_normal {
       step_[i] = sum / m[i][i];
       if (!std::isfinite(step_[i])) return false;
     }
+    for (const std::size_t j : {0u, 1u, 2u, 6u}) step_[j] *= unit;
     return true;
   }
   [[nodiscard]] static std::ptrdiff_t at(std::size_t i) { return static_cast<std::ptrdiff_t>(i); }
@@ -207,7 +152,8 @@ class common_normal {
            (b.factor[1] * b.along[1].dot(v)) * b.along[1];
   }
 
-  const placed_superellipsoid<Real>&a_, &b_;
+  const A& a_;
+  const B& b_;
   Real size_a_, size_b_;
   unknowns now_;
   std::array<Real, count> step_{};

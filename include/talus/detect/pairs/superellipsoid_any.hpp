@@ -6,6 +6,7 @@
 
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/detect/detail/common_normal.hpp"
+#include "talus/detect/detail/placed_superellipsoid.hpp"
 #include "talus/detect/pairs/convex_convex.hpp"
 #include "talus/shape/ellipsoid.hpp"
 #include "talus/shape/plane.hpp"
@@ -69,7 +70,8 @@ class superellipsoid_contact {
 
  private:
   [[nodiscard]] bool improve(const vector& on_a, const vector& normal, Real gap) {
-    common_normal<Real> search(pair_, on_a, normal, gap);
+    using placed = placed_superellipsoid<Real>;
+    common_normal<Real, placed, placed> search(a_, a_.size(), b_, b_.size(), on_a, normal, gap);
     if (!search.find() || !(search.normal().dot(normal) > Real(0.9))) return false;
     normal_ = search.normal(), gap_ = search.gap(), middle_ = search.middle();
     if (gap_ >= 0) return true;
