@@ -122,7 +122,8 @@ concept finite_shape = shape<Shape> && Shape::finite &&
 /// own.) Optional members make it faster, or better:
 /// - `form()`: its flat faces and straight edges, one of the forms of shape/convex_form.hpp
 /// - `inner_radius()`: of a ball about the centre of mass inside the shape
-/// - `level(p)`: the surface as the level of a convex function (shape/surface_level.hpp), for points
+/// - `level(p)`: the surface as the level of a convex function (shape/surface_level.hpp), for
+/// points
 ///   to rounding errors where a smooth shape is flat
 /// - `numbers`: the names of its numbers, in the order of its members, for checkpoints and Python
 /// A shape without form() is tested when bodies with it are added: its support function must be
