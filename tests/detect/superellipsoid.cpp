@@ -78,18 +78,21 @@ TEST_CASE("a superellipsoid with the exponents 2 has the contacts of an ellipsoi
     const ellipsoid egg{{random(0.3, 1), random(0.3, 1), random(0.3, 1)}};
     const superellipsoid same{egg.radii};
     const pose at{random.point(1), random.turn()};
-    const auto compare = [&](const contacts& of_egg, const contacts& found, real smallest) {
+    const auto compare = [&](const contacts& of_egg, const contacts& found, real smallest,
+                             real tolerance = 1e-10) {
       if (of_egg.empty() || of_egg[0].gap < -0.05 * smallest) return;
       REQUIRE(found.size() == 1);
       CHECK(std::abs(found[0].gap - of_egg[0].gap) < 1e-10);
-      CHECK((found[0].normal - of_egg[0].normal).norm() < 1e-10);
-      CHECK((found[0].point - of_egg[0].point).norm() < 1e-10);
+      CHECK((found[0].normal - of_egg[0].normal).norm() < tolerance);
+      CHECK((found[0].point - of_egg[0].point).norm() < tolerance);
       ++compared;
     };
     const solid other{random_shape(seed % 5, random), {random.point(1.2), random.turn()}};
     INFO("seed " << seed << ", " << other.name());
     compare(find(egg, at, other, 0.2), find(same, at, other, 0.2),
-            std::min(egg.inner_radius(), other.smallest()));
+            std::min(egg.inner_radius(), other.smallest()),
+            // Beside the edge of a face, rounding errors decide between the two.
+            other.shape.index() == 0 || other.shape.index() == 2 ? 1e-10 : 1e-6);
     const ellipsoid second{{random(0.3, 1), random(0.3, 1), random(0.3, 1)}};
     const pose there{random.point(1.2), random.turn()};
     const real smallest = std::min(egg.inner_radius(), second.inner_radius());
@@ -183,7 +186,8 @@ TEST_CASE("a superellipsoid and any other shape have the gap along the best norm
     ++all;
     const vec3 on_a = pa.to_body(c.point + 0.5 * c.gap * c.normal),
                on_b = c.point - 0.5 * c.gap * c.normal;
-    worst = std::max({worst, std::abs(level(a, on_a) - 1), std::abs(b.outside(on_b))});
+    worst = std::max({worst, std::abs(level(a, on_a) - 1), std::abs(b.outside(on_b)),
+                      (pa.orientation * normal_at(a, on_a) + c.normal).norm()});
     CHECK(std::abs(c.normal.dot(support(a, pa, -c.normal) - b.support(c.normal)) - c.gap) < 1e-6);
     for (int k = 0; k < 20; ++k) {
       const vec3 n = (c.normal + random(0, 0.3) * random.direction()).normalized();
