@@ -170,7 +170,7 @@ TEST_CASE("exponentials, logarithms and powers are right to one or two units in 
   CHECK(portable::pow(10, -400) == 0);
 }
 
-TEST_CASE("quick powers and the beta function are right to a few units in the last place") {
+TEST_CASE("quick powers are right to a few units in the last place, the beta function to 2e-14") {
   random_stream random(5, 6);
   real power = 0, beta = 0;
   for (int k = 0; k < 100000; ++k) {
@@ -188,7 +188,7 @@ TEST_CASE("quick powers and the beta function are right to a few units in the la
   }
   MESSAGE("powers ", power, ", beta ", beta);
   CHECK(power < 6e-16);
-  CHECK(beta < 4e-15);
+  CHECK(beta < 2e-14);
   CHECK(detail::quick_pow(0, 0.3) == 0);
   CHECK(detail::quick_pow(0.7, 1) == 0.7);
   CHECK(detail::quick_pow(1, 0.3) == 1);
