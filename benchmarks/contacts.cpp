@@ -1,6 +1,6 @@
 // The time of the contact of one pair, in nanoseconds of the processor, of shapes at random poses
-// about to touch: spheres, capsules and ellipsoids 1 : 1 : 2, by their own routines and by the
-// general one for convex shapes.
+// about to touch: spheres, capsules, superellipsoids and ellipsoids 1 : 1 : 2, by their own
+// routines and by the general one for convex shapes.
 #include <sys/resource.h>
 
 #include <cstdio>
@@ -78,6 +78,9 @@ int main() {
   measure("two capsules", rod, rod);
   measure("two ellipsoids", egg, egg);
   measure("two ellipsoids, general routine", own, own);
+  const superellipsoid block{{0.4, 0.4, 0.8}, 4, 4};
+  measure("two superellipsoids", block, block);
+  measure("superellipsoid and sphere", block, ball);
   measure("ellipsoid and sphere", egg, ball);
   measure("ellipsoid and capsule, general routine", egg, rod);
   measure("ellipsoid and box, general routine", egg, box{{1, 1, 1}});

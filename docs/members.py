@@ -31,6 +31,8 @@ SHEET = [
         ("shape/box.hpp", "box", "box"),
         ("shape/capsule.hpp", "capsule", "capsule"),
         ("shape/cylinder.hpp", "cylinder", "cylinder"),
+        ("shape/ellipsoid.hpp", "ellipsoid", "ellipsoid"),
+        ("shape/superellipsoid.hpp", "superellipsoid", "superellipsoid"),
         ("shape/plane.hpp", "plane", "plane"),
         ("shape/convex_polyhedron.hpp", "convex_polyhedron", "convex_polyhedron"),
         ("shape/union_of.hpp", "union_of", "union_of<Shapes...>"),
@@ -172,7 +174,7 @@ POLICIES = ["scenario", "bodies", "hard_contact", "soft_contact", "solver", "bro
             "transport", "precision", "features", "joints"]
 
 # For those who extend the library, not for those who use what it has.
-INSIDE = {"pack", "resolve", "half_extents", "support", "describe", "for_each_in", "extent", "as_grid", "reach_from",
+INSIDE = {"pack", "bending_along", "level", "resolve", "half_extents", "support", "describe", "for_each_in", "extent", "as_grid", "reach_from",
           "mesh", "tree", "state", "frame", "operator=", "add_body", "decomposition_lower", "reach_of_axis"}
 INSIDE_OF = {"convergence": {"add", "add_residual"}, "body_count": {"add", "remove"},
              "simple_cubic": {"step", "shift"}, "body_centred_cubic": {"step", "shift"},

@@ -125,7 +125,13 @@ concept finite_shape = shape<Shape> && Shape::finite &&
 ///   are computed for each pair
 /// - `smallest_curvature_radius()`: overlaps of smooth shapes up to it have one normal only, which
 ///   is found without a search for others
+/// - `level(p)`: the surface as the level of a convex function (shape/surface_level.hpp), for
+/// points
+///   to rounding errors where a smooth shape is flat
 /// - `numbers`: the names of its numbers, in the order of its members, for checkpoints and Python
+/// A shape without form() is tested when bodies with it are added: its support function must be
+/// that of a convex body with the centre of mass inside, and within the bounds
+/// (shape/support_check.hpp).
 template <class Shape>
 concept convex_shape = finite_shape<Shape> && !requires(const Shape& s) {
   s.parts();

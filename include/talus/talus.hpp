@@ -76,6 +76,7 @@
 #include "talus/shape/frame.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
+#include "talus/shape/superellipsoid.hpp"
 #include "talus/shape/union_of.hpp"
 #include "talus/solver/accelerated_jacobi.hpp"
 #include "talus/solver/coloured_gauss_seidel.hpp"

@@ -19,6 +19,7 @@
 #include <talus/vtk.hpp>
 #include <vector>
 
+#include "../../examples/own_shape/lens.hpp"
 #include "../tutorial/ranks.hpp"
 
 using namespace talus;
@@ -167,6 +168,28 @@ TEST_CASE("measure: what a ray meets, and whether a place is free") {
     CHECK(in_the_way[0][0].distance == doctest::Approx(-0.6));
     CHECK(is_free);
     CHECK(highest == doctest::Approx(1));
+  });
+}
+
+TEST_CASE("build: ellipsoids and blocky grains") {
+  using sweets =
+      scenario<bodies<ellipsoid, superellipsoid, lens, plane>, decomposition<grid<dynamic>>>;
+  on_ranks<sweets>(2, [](auto& world) {
+    world.decompose({.lower = {-6}, .upper = {6}});
+    world.gravity({0, 0, -9.81});
+    const auto stone = world.material({.density = 1.4});
+    world.global([&](auto& scope) { scope.add(plane{}, stone); });
+    const ellipsoid sweet{{0.3, 0.3, 0.2}};
+    const superellipsoid cube{.radii = {0.2, 0.2, 0.2}, .n1 = 6, .n2 = 6};
+    world.add_if_local(body{.shape = sweet, .position = {-1, 0, 0.5}, .material = stone});
+    world.add_if_local(body{.shape = cube, .position = {1, 0, 0.5}, .material = stone});
+    world.add_if_local(body{.shape = lens{}, .position = {4, 0, 1}, .material = stone});
+    world.simulate({.steps = 300, .dt = 0.005});
+    CHECK(sum_of(world, static_cast<double>(world.local_bodies())) == 3);
+    world.for_each_local([](const auto& b) {
+      const real half = b.shape().half_extents(pose{})[2];
+      CHECK(b.position()[2] == doctest::Approx(half).epsilon(0.02));
+    });
   });
 }
 

@@ -1,5 +1,5 @@
 // expects: superquadric
-// expects: convex_polyhedron
+// expects: superellipsoid
 // within: 5 lines
 #include "talus/body/body.hpp"
 #include "talus/core/policy.hpp"

@@ -7,6 +7,7 @@
 #include <talus/adhesion.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/shape/ellipsoid.hpp>
+#include <talus/shape/superellipsoid.hpp>
 #include <talus/world/each_contact.hpp>
 #include <talus/world/world.hpp>
 
@@ -117,4 +118,25 @@ TEST_CASE("an adhering ellipsoid tears off where the neck of its flat side tears
     CHECK(last == doctest::Approx(-5. / 6 * pi * work * radius).epsilon(0.25));
     CHECK(gap == doctest::Approx(jkr_adhesion::range(p, radius)).epsilon(0.02));
   }
+}
+
+TEST_CASE("a superellipsoid presses on a plane with the curvatures of the place that touches") {
+  const real overlap = 1e-4;
+  const ellipsoid egg{{1, 0.7, 1.3}};
+  const quat turn = rotation({1, 2, 0}, 0.8);
+  const auto reach = [&](const auto& s) {
+    const vec3 down = turn.conjugate() * vec3(0, 0, -1);
+    return down.dot(s.support(down));
+  };
+  CHECK(force_on_plane(superellipsoid{egg.radii}, turn, reach(egg) - overlap) ==
+        doctest::Approx(force_on_plane(egg, turn, reach(egg) - overlap)).epsilon(1e-9));
+  // On its edge, a blocky one is sharper; on its flat top the radius counts as 10 times its reach.
+  const superellipsoid block{egg.radii, 6, 6};
+  CHECK(force_on_plane(block, turn, reach(block) - overlap) <
+        0.9 * force_on_plane(egg, turn, reach(egg) - overlap));
+  const real flat = 10 * block.bounding_radius();
+  CHECK(force_on_plane(block, {1, 0, 0, 0}, 1.3 - overlap) ==
+        doctest::Approx(4. / 3 * modulus / (1 - poisson * poisson) / 2 * std::sqrt(flat) *
+                        std::pow(overlap, 1.5))
+            .epsilon(5e-3));
 }

@@ -12,6 +12,7 @@
 #include "talus/shape/cylinder.hpp"
 #include "talus/shape/ellipsoid.hpp"
 #include "talus/shape/sphere.hpp"
+#include "talus/shape/superellipsoid.hpp"
 #include "talus/shape/union_of.hpp"
 
 namespace {
@@ -195,6 +196,20 @@ TEST_CASE("an ellipsoid shares its volume with other parts once") {
   check_same_moments(
       eggs({{.shape = ellipsoid{{2, 1, 1.5}}, .at = turned}, {.shape = sphere{0.9}, .at = turned}}),
       eggs({{.shape = ellipsoid{{2, 1, 1.5}}, .at = turned}}), 1e-6);
+}
+
+TEST_CASE("a superellipsoid shares its volume with other parts once") {
+  using grains = union_of<superellipsoid, ellipsoid, box>;
+  const pose turned{{0.4, 0.3, -0.2}, rotation({1, 2, 3}, 0.7)};
+  const ellipsoid egg{{0.5, 0.9, 0.7}};
+  check_same_moments(grains({{.shape = superellipsoid{{2, 1, 1.5}}}, {.shape = egg, .at = turned}}),
+                     grains({{.shape = ellipsoid{{2, 1, 1.5}}}, {.shape = egg, .at = turned}}),
+                     1e-6);
+  // One inside another, in the corner of which only a blocky one has room.
+  const superellipsoid block{{1, 1, 1}, 8, 8};
+  check_same_moments(
+      grains({{.shape = block}, {.shape = box{{0.2, 0.2, 0.2}}, .at = {{0.7, 0.7, 0.7}}}}),
+      grains({{.shape = block}}), 1e-6);
 }
 
 TEST_CASE("a symmetric clump keeps its axes, and equal unions are computed once") {

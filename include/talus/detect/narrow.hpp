@@ -13,4 +13,5 @@
 #include "talus/detect/pairs/plane_sphere.hpp"
 #include "talus/detect/pairs/polyhedron_sphere.hpp"
 #include "talus/detect/pairs/sphere_sphere.hpp"
+#include "talus/detect/pairs/superellipsoid_any.hpp"
 #include "talus/detect/pairs/union_any.hpp"

@@ -56,8 +56,8 @@ concept in_packs = requires {
   typename Part::template parameters_of<wide_pack<real>>;
   typename Part::template memory_of<wide_pack<real>>;
 };
-/// Whether that is so for the stored energy, too. What a law with a memory along the normal releases
-/// is booked one contact at a time.
+/// Whether that is so for the stored energy, too. What a law with a memory along the normal
+/// releases is booked one contact at a time.
 template <class Law>
 concept stores_in_packs = in_packs<Law> && std::is_empty_v<typename Law::memory> &&
     requires(const contact_kinematics_of<wide_pack<real>>& c,

@@ -16,6 +16,7 @@
 #include "talus/shape/ellipsoid.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
+#include "talus/shape/superellipsoid.hpp"
 #include "talus/shape/support_surface.hpp"
 
 namespace talus::detail {
@@ -73,6 +74,9 @@ inline void povray_form(detail::povray_text& out, const sphere& s) {
 }
 inline void povray_form(detail::povray_text& out, const ellipsoid& e) {
   out << "sphere{<0,0,0>,1 scale " << e.radii;
+}
+inline void povray_form(detail::povray_text& out, const superellipsoid& s) {
+  out << "superellipsoid{<" << 2 / s.n2 << "," << 2 / s.n1 << "> scale " << s.radii;
 }
 void povray_form(detail::povray_text& out, const box& b);
 inline void povray_form(detail::povray_text& out, const plane& p) {

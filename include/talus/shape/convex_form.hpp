@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "talus/core/math.hpp"
+#include "talus/shape/surface_level.hpp"
 
 namespace talus {
 
@@ -43,6 +44,8 @@ struct smooth_form {
   real thickness = 0;  ///< half of the smallest, about
   real inner = 0;      ///< radius of a ball about the origin that is inside
   real sharpest = 0;   ///< smallest radius of curvature, about
+  /// Its surface, or null: the general search needs it for exact points where the shape is flat.
+  surface_level (*level)(const void*, const vec3& point) = nullptr;
   [[nodiscard]] int corners() const { return 1; }
 };
 
@@ -66,6 +69,10 @@ template <class Shape>
       f.sharpest = s.smallest_curvature_radius();
     else
       f.sharpest = f.thickness * (f.thickness / s.bounding_radius());
+    if constexpr (requires { s.level(vec3{}); })
+      f.level = [](const void* shape, const vec3& point) -> surface_level {
+        return static_cast<const Shape*>(shape)->level(point);
+      };
     return f;
   }
 }

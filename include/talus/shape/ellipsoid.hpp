@@ -82,6 +82,17 @@ struct ellipsoid {
     return m;
   }
 
+  /// The norm of which it is the unit ball.
+  [[nodiscard]] surface_level level(const vec3& p) const {
+    const vec3 scaled = p.cwiseQuotient(radii);
+    const real value = scaled.norm();
+    const vec3 out = scaled / value;
+    const vec3 t = out.cross(vec3::Unit(std::abs(out[0]) < real(0.6) ? 0 : 1)).normalized();
+    return {value,
+            out.cwiseQuotient(radii),
+            {{1 / value, 1 / value}, {t.cwiseQuotient(radii), out.cross(t).cwiseQuotient(radii)}}};
+  }
+
   friend bool operator==(const ellipsoid&, const ellipsoid&) = default;
 };
 

@@ -6,6 +6,7 @@
 #include "talus/body/mass.hpp"
 #include "talus/body/material.hpp"
 #include "talus/core/error.hpp"
+#include "talus/shape/support_check.hpp"
 
 namespace talus::detail {
 
@@ -30,6 +31,7 @@ struct own_mass {
 template <class Shape>
 void require_sane(const body<Shape>& b, const material_table& materials, bool global = false) {
   b.shape.validate();
+  if constexpr (has_untested_support<Shape>) require_convex(b.shape);
   require_finite("the position of a body", b.position);
   require_finite("the velocity of a body", b.velocity);
   require_finite("the angular velocity of a body", b.angular_velocity);

@@ -159,7 +159,8 @@ struct all_contacts {
 };
 
 /// Collective: calls f(contact, counts_here) for the contacts that carry a force and have a body
-/// owned here: over all ranks each counts once. Of hard contacts only those for whose key select(key) holds.
+/// owned here: over all ranks each counts once. Of hard contacts only those for whose key
+/// select(key) holds.
 template <class Scenario, class F, class Select = all_contacts>
 void each_loaded_contact(world_state<Scenario>& s, const body_places<Scenario>& places, F&& f,
                          [[maybe_unused]] Select select = {}) {

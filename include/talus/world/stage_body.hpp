@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "talus/body/column.hpp"
+#include "talus/body/mass.hpp"
 #include "talus/body/material.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/id.hpp"
@@ -51,7 +52,7 @@ class stage_body {
   [[nodiscard]] const talus::material& material() const {
     return s_.materials[store_.material[i_]];
   }
-  /// By density and volume, also of a fixed body.
+  /// Also of a fixed body.
   [[nodiscard]] real mass() const requires(shape_type::finite) {
     return detail::mass_of(store_, i_, s_.materials);
   }

@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "talus/detect/detail/common_normal.hpp"
 #include "talus/detect/detail/convex_distance.hpp"
 
 namespace talus::detail {
@@ -34,12 +35,14 @@ struct summit_of {
 /// along n with their difference, from which a component along `line` (a unit vector, or zero) is
 /// removed; normals stay across the line. `pair.bend(n, p, t, u)` gives minus the derivative of the
 /// difference along the tangents t and u. The result is `beyond` as soon as the gap of any normal
-/// is above `limit`; `lost` if this is no maximum, with the difference along the normal within
+/// is above `limit`, and `found` as soon as the two points are less than `near` (a length) apart
+/// across the normal; `lost` if this is no maximum, with the difference along the normal within
 /// 1e-10 of `scale` (a length). The normal is as exact as rounding errors allow: they turn it by
 /// that of the difference over the smallest radius of curvature plus the gap.
 template <class Real, class Pair>
 [[nodiscard]] summit_of<Real> climb(const Pair& pair, const vector3<Real>& start,
-                                    const vector3<Real>& line, Real limit, Real scale) {
+                                    const vector3<Real>& line, Real limit, Real scale,
+                                    Real near = 0) {
   using vector = vector3<Real>;
   const bool bound = line.squaredNorm() > 0;
   const auto unit_across = [&](const vector& v) {
@@ -63,6 +66,7 @@ template <class Real, class Pair>
     const vector u = n.cross(t);
     const Real rt = t.dot(found.at.w), ru = bound ? Real(0) : u.dot(found.at.w);
     const Real rest = std::abs(rt) + std::abs(ru);
+    if (rest < near) return found;
     symmetric_2<Real> m = pair.bend(n, found.at, t, u);
     if (bound) m.ab = 0, m.bb = 1;
     const Real g = found.gap;
@@ -216,11 +220,33 @@ void sharpen(const convex_pair<Real>& pair, core_distance<Real>& best, Real scal
     part = held_by(best.corners, of_a ? &difference_point<Real>::a : &difference_point<Real>::b);
     if (of_a) part.from -= best.shift, part.to -= best.shift;
   }
+  // The same where the smooth body is flat: there, the point that a normal belongs to is uncertain.
+  const auto by_points = [&] {
+    summit_of<Real> s;
+    const convex_view<Real>& body = of_a ? pair.b : pair.a;
+    if (!body.has_level() || (part.kind != form::corner && part.kind != form::line)) return s;
+    const vector shift = of_a ? vector(vector::Zero()) : pair.shift;
+    const round_part<Real> around{
+        part.from - shift,
+        part.kind == form::line ? vector((part.to - part.from).normalized()) : vector::Zero(),
+        body.smallest()};
+    common_normal<Real, convex_view<Real>, round_part<Real>> search(
+        body, body.smallest(), around, around.radius, (of_a ? best.on_b : best.on_a) - shift,
+        of_a ? vector(-best.normal) : best.normal, best.gap - around.radius);
+    if (!search.find()) return s;
+    const vector n = search.normal(), on_body = search.on_a() + shift;
+    s.state = climbed::summit;
+    s.normal = of_a ? vector(-n) : n;
+    s.gap = search.gap() + around.radius;
+    s.at.a = of_a ? part.from : on_body, s.at.b = of_a ? on_body : part.from;
+    return s;
+  };
   const auto attempt = [&] {
     held_pair<Real> search{pair, of_a ? part : held_part<Real>{}, of_a ? held_part<Real>{} : part};
     if (part.kind == form::line) search.line = (part.to - part.from).normalized();
-    const summit_of<Real> s =
+    summit_of<Real> s =
         climb<Real>(search, best.normal, search.line, std::numeric_limits<Real>::infinity(), scale);
+    if (s.state != climbed::summit) s = by_points();
     if (s.state != climbed::summit || !(s.normal.dot(best.normal) > Real(0.9))) return false;
     vector on_a = s.at.a, on_b = s.at.b;
     if (part.kind == form::line) {

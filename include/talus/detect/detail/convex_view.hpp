@@ -88,6 +88,12 @@ class convex_view {
     return place(local_support(d));
   }
 
+  [[nodiscard]] bool has_level() const { return smooth_.level != nullptr; }
+  /// The function whose level is the surface of a smooth shape, with derivatives times `size`.
+  [[nodiscard]] surface_level level(const vector& p, Real size) const {
+    return turned(smooth_.level(smooth_.shape, local(p)), axes_, size);
+  }
+
   /// The ends of the axis of a cylinder, first the one that is nearer to the point `p`, and its
   /// radius; false for other shapes.
   [[nodiscard]] bool round_axis(const vector& p, vector& from, vector& to, Real& radius) const {

@@ -9,38 +9,12 @@
 
 #include "talus/core/type_list.hpp"
 #include "talus/io/detail/row_table.hpp"
+#include "talus/io/detail/shape_numbers.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/shape/union_of.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus::detail {
-
-/// The names of shapes by number, as the column `shape` has them: six that have their numbers in
-/// all scenarios, then the others of this one.
-class vtk_shapes {
- public:
-  template <class... Shapes>
-  explicit vtk_shapes(type_list<Shapes...>) {
-    (add(type_list<Shapes>{}), ...);
-  }
-  [[nodiscard, gnu::cold]] std::uint8_t number(std::string_view name) const;
-  /// The names after the first six, one a line.
-  [[nodiscard, gnu::cold]] std::string others() const;
-
- private:
-  template <class Shape>
-  void add(type_list<Shape>) {
-    if constexpr (Shape::finite) add_name(Shape::name);
-  }
-  template <class... Parts>
-  void add(type_list<union_of<Parts...>>) {
-    (add_name(Parts::name), ...);
-  }
-  [[gnu::cold]] void add_name(std::string_view name);
-
-  std::vector<std::string_view> names_{
-      "sphere", "box", "capsule", "cylinder", "convex_polyhedron", "triangle_mesh"};
-};
 
 /// Lengths of a shape along the axes of its body: the scale factors for a sphere, box or cylinder
 /// of size 1.
@@ -166,7 +140,7 @@ class vtk_bodies {
   }
 
   row_table points{"/VTKHDF"}, data{"/VTKHDF/PointData"};
-  vtk_shapes shapes{typename Scenario::shapes{}};
+  shape_numbers shapes{typename Scenario::shapes{}};
 
  private:
   template <class... Columns>
@@ -221,7 +195,3 @@ class vtk_bodies {
 };
 
 }  // namespace talus::detail
-
-#ifndef TALUS_COMPILED_HDF5
-#include "talus/io/detail/vtk_bodies_definitions.hpp"
-#endif

@@ -72,7 +72,7 @@ class vtk_surfaces {
   }
 
   row_table points{"/VTKHDF"}, data{"/VTKHDF/CellData"};
-  vtk_shapes shapes{typename Scenario::shapes{}};
+  shape_numbers shapes{typename Scenario::shapes{}};
 
  private:
   /// The faces of a body, or of a part of a union, among those added.
