@@ -90,11 +90,11 @@ struct superellipsoid {
     const auto along = [&](int i) { return dual(vec3(axes(i, 0), axes(i, 1), axes(i, 2))).value; };
     return {along(0), along(1), along(2)};
   }
+  /// A bound of the radii of curvature that bend() gives.
+  [[nodiscard]] real largest_curvature_radius() const { return 10 * bounding_radius(); }
   /// How the furthest point moves if a unit direction turns: the derivative of `support`, a
   /// symmetric matrix, whose eigenvalues across the direction are the two radii of curvature. Where
   /// the surface is flat, on its axes, these have no bound: they count as 10 times the bounding
-  /// A bound of the radii of curvature that bend() gives.
-  [[nodiscard]] real largest_curvature_radius() const { return 10 * bounding_radius(); }
   /// radius at most.
   [[nodiscard]] mat3 bend(const vec3& direction) const {
     return bending_along(direction).within(unit(direction), 10 * bounding_radius());
