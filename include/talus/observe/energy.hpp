@@ -16,7 +16,8 @@ struct energy_balance {
   double potential = 0;  ///< -m g . x, with respect to the origin, now
   double elastic = 0;    ///< in the springs of soft contacts, at the end of the last step
   double initial = 0;    ///< all energy at the start of the first step
-  double changes = 0;    ///< by the user between steps: bodies added, removed, moved, pushed
+  double changes = 0;    ///< by the user between steps: bodies added, removed, moved, pushed; and
+                         ///< by bodies that cross a periodic face along gravity
   energy_flows step;     ///< in the last step
   energy_flows total;    ///< in all steps
   double closure = 0;    ///< change of energy in the last step, minus step.net(): round-off

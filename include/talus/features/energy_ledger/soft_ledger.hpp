@@ -138,12 +138,13 @@ void open_springs(step_records<Scenario>& s, const signed_sum& energy) {
   r.start = energy;
 }
 
-/// Before and after bodies migrate within a step: their energy goes with them.
+/// Before and after bodies migrate within a step: their energy goes with them. The sum over the
+/// ranks changes by that of bodies that cross a periodic face.
 template <class Scenario>
 void book_migration(world_state<Scenario>& s, real sign) {
   const signed_sum now = energy_of(s).all();
-  signed_sum& moved = s.monitors.springs.moved;
-  sign > 0 ? moved += now : moved -= now;
+  const auto add = [&](signed_sum& sum) { sign > 0 ? sum += now : sum -= now; };
+  add(s.monitors.springs.moved), add(s.monitors.energy.changes);
 }
 
 /// The entries of a step besides those of the springs at its end.
