@@ -83,8 +83,12 @@ std::vector<double> entries(int ranks, bool looks) {
     CHECK(b.error() < 1e-13);
     CHECK(std::abs(b.kinetic + b.potential + b.elastic - b.initial - b.changes - x.net()) <
           1e-11 * b.scale);
+    detail::exact_sum exchanged = detail::view_of(w).monitors.energy.exchanged;
+    detail::sum_exactly(w.link(), exchanged);
+    CHECK(exchanged.value() > 0);
     if (w.rank() == 0)
-      all = {b.kinetic, b.elastic, b.changes, x.work, x.friction, x.impact, x.scheme, b.scale};
+      all = {b.kinetic, b.elastic, b.changes, x.work,           x.friction,
+             x.impact,  x.scheme,  b.scale,   exchanged.value()};
   });
   return all;
 }

@@ -101,7 +101,7 @@ void book_kick_of_contacts(step_records<Scenario>& s, real h) {
     running.scheme += r.spring_power.times(h);
     running.impact -= r.dashpot_power.times(h);
     running.friction -= r.friction_power.times(h);
-    s.monitors.energy.exchanged += h * r.exchanged_power.value();
+    s.monitors.energy.exchanged.add_product(r.exchanged_power, h);
     r.work_elsewhere += r.power_elsewhere.times(h);
   }
   if constexpr (monitored<Scenario, momentum_balance>)
