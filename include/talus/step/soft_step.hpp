@@ -408,10 +408,6 @@ void measure_forces(world_state<Scenario>& s) {
       for (std::size_t i = 0; i < store.locals; ++i) {
         store.contact_force[i] = s.soft.bodies[first + i].force;
         store.contact_torque[i] = s.soft.bodies[first + i].torque;
-        if constexpr (std::remove_reference_t<decltype(store)>::keeps_contact_power) {
-          const soft_body& body = s.soft.bodies[first + i];
-          store.contact_power[i] = body.force.dot(body.v) + body.torque.dot(body.w);
-        }
       }
   });
 }
@@ -481,7 +477,7 @@ void settle_books(world_state<Scenario>& s) {
 
 /// Velocities of the bodies owned here, after their contacts, gravity and the user's forces have
 /// acted for the time `h`.
-template <class Scenario>
+template <forces_of Forces, class Scenario>
 void kick(world_state<Scenario>& s, real h) {
   const real kept = s.damping == 1 ? 1 : portable::pow(s.damping, h);
   [[maybe_unused]] auto sums = kick_sums_of(s);
@@ -499,13 +495,10 @@ void kick(world_state<Scenario>& s, real h) {
         torque = s.soft.bodies[first + i].torque;
       }
       [[maybe_unused]] const vec3 of_contacts = force, turn_of_contacts = torque;
-      [[maybe_unused]] real power = 0;
-      if constexpr (monitored<Scenario, energy_ledger>) {
+      [[maybe_unused]] real booked = 0;
+      if constexpr (monitored<Scenario, energy_ledger> && Forces == forces_of::this_step) {
         const soft_body& body = s.soft.bodies[first + i];
-        if constexpr (store_type::keeps_contact_power)
-          power = store.contact_power[i];
-        else
-          power = force.dot(body.v) + torque.dot(body.w);
+        booked = force.dot(body.v) + torque.dot(body.w);
       }
       if constexpr (store_type::forced) {
         force += store.force[i];
@@ -520,13 +513,13 @@ void kick(world_state<Scenario>& s, real h) {
       const vec3 v = store.velocity[i] + h * (inverse_mass * force + s.gravity),
                  w = store.angular_velocity[i] + (h * inverse_mass) * torque;
       if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
-        book_kick(s, sums, store, i, h, kept, of_contacts, turn_of_contacts, power, v, w);
+        book_kick(s, sums, store, i, h, kept, of_contacts, turn_of_contacts, booked, v, w);
       store.velocity[i] = kept * v;
       store.angular_velocity[i] = kept * w;
     }
   });
   if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
-    book_kick_of_contacts(s, h);
+    book_kick_of_contacts<Forces>(s, h);
 }
 
 /// Positions and orientations of the bodies owned here, after free motion for the time `h`.

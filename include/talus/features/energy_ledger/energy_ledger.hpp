@@ -162,7 +162,7 @@ struct spring_record {
   exact_sum exchanged_power;  ///< absolute values of these
   signed_sum wall_power;      ///< of moving fixed bodies on others
   /// The part of the power of the contacts that count here on bodies of other ranks, minus that of
-  /// contacts that count there on bodies owned here; and its work in the step.
+  /// contacts that count there on bodies owned here; and its work since it was computed.
   signed_sum power_elsewhere, work_elsewhere;
   /// Energies at the last computation of forces: along the normal, and across it (and of rolling)
   /// before and after the springs were advanced; energy lost by slip between.
@@ -510,8 +510,7 @@ struct detail::joint_flows::record {
     f("drives", drives);
   }
 };
-template <bool KeepsForces>
-struct detail::contact_flows<KeepsForces>::record {
+struct detail::contact_flows::record {
   spring_record springs;
 
   template <class F>

@@ -13,7 +13,7 @@ namespace talus {
 template <class Scenario>
 void velocity_verlet::step(detail::world_state<Scenario>& s) {
   using namespace detail;
-  timed(s, s.seconds.integrate, [&] { kick(s, s.dt / 2), drift(s, s.dt); });
+  timed(s, s.seconds.integrate, [&] { kick<forces_of::last_step>(s, s.dt / 2), drift(s, s.dt); });
   run_hooks<stages::after_move>(s);
   run_hooks<stages::before_share>(s);
   migrate_and_refresh(s);
@@ -24,7 +24,7 @@ void velocity_verlet::step(detail::world_state<Scenario>& s) {
   run_hooks<stages::after_detect>(s);
   timed(s, s.seconds.respond, [&] { measure_forces(s); });
   run_hooks<stages::after_solve>(s);
-  timed(s, s.seconds.integrate, [&] { kick(s, s.dt / 2), end_forces(s); });
+  timed(s, s.seconds.integrate, [&] { kick<forces_of::this_step>(s, s.dt / 2), end_forces(s); });
   s.soft.copies_lag = true;
   run_hooks<stages::at_close>(s);
   advance(s);
