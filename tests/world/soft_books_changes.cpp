@@ -60,7 +60,7 @@ void run(world<scene>& w, int steps) {
     CHECK(b.worst < 1e-13);
     CHECK(std::abs(b.kinetic + b.potential + b.elastic - b.initial - b.changes - b.total.net()) <
           1e-11 * b.scale);
-    CHECK(measure_momentum(w).error() < 1e-13);
+    CHECK(measure_momentum(w).error() < 1e-12);
   }
 }
 

@@ -513,7 +513,7 @@ void kick(world_state<Scenario>& s, real h) {
       const vec3 v = store.velocity[i] + h * (inverse_mass * force + s.gravity),
                  w = store.angular_velocity[i] + (h * inverse_mass) * torque;
       if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
-        book_kick(s, sums, store, i, h, kept, of_contacts, turn_of_contacts, booked, v, w);
+        book_kick<Forces>(s, sums, store, i, h, kept, of_contacts, turn_of_contacts, booked, v, w);
       store.velocity[i] = kept * v;
       store.angular_velocity[i] = kept * w;
     }

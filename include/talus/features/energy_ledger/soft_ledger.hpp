@@ -73,7 +73,7 @@ enum class forces_of { this_step, last_step };
 /// A change of velocity by forces over the time h: to v and w, before damping. `force` and `torque`
 /// are those of the contacts, and `booked` is the part of their power on the body that the contacts
 /// book on this rank. The rest of their work, of second order in h, is the scheme's.
-template <class Scenario, class Store, class Sums>
+template <forces_of Forces, class Scenario, class Store, class Sums>
 void book_kick(world_state<Scenario>& s, Sums& sums, const Store& store, std::size_t i, real h,
                real kept, const vec3& force, const vec3& torque, real booked, const vec3& v,
                const vec3& w) {
@@ -94,11 +94,13 @@ void book_kick(world_state<Scenario>& s, Sums& sums, const Store& store, std::si
     r.gravity += vec3((h * mass) * s.gravity);
     if constexpr (Store::forced) r.forces += vec3(h * store.force[i]);
     r.damping += vec3(-(1 - kept) * mass * v);
+    if constexpr (Forces == forces_of::last_step) r.ground += vec3(h * force);
   }
 }
 /// Books the work of soft contacts, and their impulse on fixed and global bodies, over the time h.
 /// The contacts of the last step may act on other bodies by now: the scheme takes what they book,
-/// and the work on the present bodies.
+/// and the work on the present bodies. The impulse on these is that of the ground, which includes
+/// bodies that were removed.
 template <forces_of Forces, class Scenario>
 void book_kick_of_contacts(step_records<Scenario>& s, real h) {
   if constexpr (monitored<Scenario, energy_ledger>) {
@@ -117,7 +119,7 @@ void book_kick_of_contacts(step_records<Scenario>& s, real h) {
       running.scheme -= booked.times(h);
     }
   }
-  if constexpr (monitored<Scenario, momentum_balance>)
+  if constexpr (monitored<Scenario, momentum_balance> && Forces == forces_of::this_step)
     s.monitors.momentum.ground += vec3(h * s.monitors.momentum.ground_force);
 }
 
