@@ -201,7 +201,33 @@ void looks_the_same_on_any_ranks() {
   }
 }
 
+/// What a step of two spheres that touch across ranks sends.
+template <class Integrator>
+std::uint64_t bytes_of_step() {
+  using pair = scenario<bodies<sphere>, soft_contact<linear_spring_dashpot>, integrator<Integrator>,
+                        decomposition<grid<dynamic>>, transport<threads>>;
+  std::uint64_t bytes = 0;
+  threads::launch({.ranks = 2}, [&](threads::link& link) {
+    world<pair> w(link, {.cells = {2}, .lower = {-4}, .upper = {4}});
+    w.material({.density = 2, .restitution = 0.3, .stiffness = 1e4});
+    for (const int side : {-1, 1})
+      w.add_if_local(body{.shape = sphere{0.5}, .position = {0.499 * side, 0, 0}});
+    for (int k = 0; k < 10; ++k) {
+      const std::uint64_t before = link.counters().bytes;
+      w.step(dt);
+      if (link.rank() == 0) bytes = link.counters().bytes - before;
+    }
+  });
+  return bytes;
+}
+
 }  // namespace
+
+TEST_CASE("shadow copies do not receive the forces of contacts") {
+  const std::uint64_t bytes = bytes_of_step<semi_implicit_euler>();
+  CHECK(bytes > 0);
+  CHECK(bytes_of_step<velocity_verlet>() == bytes);
+}
 
 TEST_CASE("observed forces are the same on any ranks, while grains slide and after a restart") {
   looks_the_same_on_any_ranks<walled>();

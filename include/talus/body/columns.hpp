@@ -143,11 +143,12 @@ struct torque {
   };
   static constexpr auto member = &storage::torque;
 };
-/// The sum of the present contact forces on a body, world frame.
+/// The sum of the present contact forces on a body, world frame. Its owner alone needs it.
 struct contact_force {
   using value_type = vec3;
   static constexpr const char *name = "contact_force", *unit = "M L/T^2";
   static constexpr int place = 3;
+  static constexpr travels travel = travels::on_migration;
   template <class Shape>
   static constexpr bool carried_by = Shape::finite;
   struct storage {
@@ -160,6 +161,7 @@ struct contact_torque {
   using value_type = vec3;
   static constexpr const char *name = "contact_torque", *unit = "M L^2/T^2";
   static constexpr int place = 4;
+  static constexpr travels travel = travels::on_migration;
   template <class Shape>
   static constexpr bool carried_by = Shape::finite;
   struct storage {
