@@ -318,34 +318,27 @@ void prepare_observation(world_state<Scenario>& s) {
   update_flush_bodies(s);
   gather_motion(s);
 }
-template <class Scenario, class Observer>
-void visit_contacts(world_state<Scenario>& s, Observer& observer) {
-  each_neighbour_pair(s, [&]<class A, class B, partner P>() {
-    return force_adder<Scenario, A, B, P, Observer>(s, observer);
-  });
-}
 
-/// Calls observer(key, geometry, force on a, counts_here) for all contacts of the present state,
-/// where each counts on one rank, or adds up their stored energies. No rank waits for another, and
-/// the forces of contacts with shadow copies may be those of the middle of the step. Changes
-/// nothing that a step depends on.
+/// Calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the present state;
+/// over all ranks each acts on each of its bodies once; or observer(key, geometry, force on a,
+/// counts_here), where each counts on one rank; or observer(key, point, centre of a, centre of b,
+/// force and moment on a, counts_here); or adds up their stored energies. No rank waits for
+/// another, and shadow copies have the velocities that they have. Changes nothing that a step
+/// depends on.
 template <class Scenario, class Observer>
 void observe_contacts(world_state<Scenario>& s, Observer&& observer) {
   prepare_observation(s);
-  visit_contacts(s, observer);
+  each_neighbour_pair(s, [&]<class A, class B, partner P>() {
+    return force_adder<Scenario, A, B, P, std::remove_reference_t<Observer>>(s, observer);
+  });
 }
 
-/// Collective: calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the
-/// present state; over all ranks each acts on each of its bodies once; or observer(key, geometry,
-/// force on a, counts_here), where each counts on one rank; or observer(key, point, centre of a,
-/// centre of b, force and moment on a, counts_here). All ranks of a contact see the same force.
-/// Changes nothing that a step depends on.
+/// Collective: the same between two steps. All ranks of a contact see the same force.
 template <class Scenario, class Observer>
 void observe_forces(world_state<Scenario>& s, Observer&& observer) {
-  prepare_observation(s);
   if constexpr (Scenario::integrator::shares_midway && !world_state<Scenario>::link_type::alone)
-    if (s.soft.copies_lag) read_velocities_of_owners(s);
-  visit_contacts(s, observer);
+    refresh_velocities(s);
+  observe_contacts(s, observer);
 }
 
 /// The energies of the springs in the present state. Searches for pairs only if those of the last

@@ -138,8 +138,8 @@ class pair_points {
 };
 
 /// Collective: calls f(contact, counts_here) for the contacts that carry a force and have a body
-/// owned here: over all ranks each counts once.
-template <class Scenario, class F>
+/// owned here: over all ranks each counts once. At a stage of the step no rank waits for another.
+template <bool AtStage = false, class Scenario, class F>
 void each_loaded_contact(world_state<Scenario>& s, const body_places<Scenario>& places, F&& f) {
   if constexpr (Scenario::contact_law::soft) {
     const auto tell = [&](const contact_key& key, const contact_geometry& g, const vec3& force,
@@ -153,7 +153,10 @@ void each_loaded_contact(world_state<Scenario>& s, const body_places<Scenario>& 
       if (!bounded) c.centre_b = c.point;
       f(std::as_const(c), counts);
     };
-    observe_forces(s, tell);
+    if constexpr (AtStage)
+      observe_contacts(s, tell);
+    else
+      observe_forces(s, tell);
   } else {
     if (!(s.dt > 0)) return;
     pair_points<Scenario> points(s, places);

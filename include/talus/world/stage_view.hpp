@@ -149,8 +149,7 @@ class stage_view {
   /// Calls f(body) for each contact of the step that carries a force and touches a body that this
   /// rank owns, in an order that depends on the ids of the bodies: sums over the contacts of a body
   /// have the same bits on any ranks. Both ranks see a contact across ranks. At after_solve the
-  /// contacts are those that were solved, at the positions where they were found. Collective: all
-  /// ranks visit contacts at the same stages.
+  /// contacts are those that were solved, at the positions where they were found.
   template <class F>
   void for_each_contact(F&& f) {
     find_contacts();
@@ -239,10 +238,10 @@ class stage_view {
     };
     if constexpr (Scenario::contact_law::soft) {
       const auto forces = s_.soft.bodies;  // of the step under way
-      each_loaded_contact(s_, *places_, note);
+      each_loaded_contact<true>(s_, *places_, note);
       s_.soft.bodies = forces;
     } else {
-      each_loaded_contact(s_, *places_, note);
+      each_loaded_contact<true>(s_, *places_, note);
     }
     std::sort(contacts_.begin(), contacts_.end(), [](const auto& x, const auto& y) {
       return std::tie(x.a, x.b, x.feature) < std::tie(y.a, y.b, y.feature);
