@@ -620,7 +620,7 @@ class world {
     observers_.push_back({std::move(f), state_.functions.number(name)});
   }
   /// The same for an f that changes nothing of the world.
-  void look_after_each_step(std::string_view name, std::function<void()> f) {
+  void monitor_each_step(std::string_view name, std::function<void()> f) {
     observers_.push_back({std::move(f), state_.functions.number(name), 0});
   }
   /// Calls f(world) after each step of simulate() whose number is a multiple of `when.steps`, on
@@ -658,7 +658,7 @@ class world {
     writers_.push_back({std::move(f), state_.functions.number(name)});
   }
   /// The same for an f that changes nothing of the world.
-  void look_after_observers(std::string_view name, std::function<void()> f) {
+  void monitor_after_observers(std::string_view name, std::function<void()> f) {
     writers_.push_back({std::move(f), state_.functions.number(name), 0});
   }
   /// Calls f() at the start of each simulate(), when all bodies are with their owners.
