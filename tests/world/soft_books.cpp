@@ -6,6 +6,7 @@
 #include <string>
 #include <talus/observe/digest.hpp>
 #include <talus/observe/energy.hpp>
+#include <talus/observe/flow.hpp>
 #include <talus/observe/momentum.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/periodic.hpp>
@@ -108,6 +109,21 @@ TEST_CASE_TEMPLATE("entries have the same bits on any ranks, whether something l
     CHECK(entries<Scenario>(ranks, false) == one);
     CHECK(entries<Scenario>(ranks, true) == one);
   }
+}
+
+TEST_CASE("functions that only monitor the world do not make the ledger measure springs") {
+  on<watched>(2, [](auto& w) {
+    const flow_meter meter(w, plane{});
+    int open = 0;
+    const auto look = [&] { open += detail::view_of(w).monitors.springs.undisturbed; };
+    w.monitor_each_step("test", look);
+    w.monitor_after_observers("test", look);
+    w.simulate({.steps = 10, .dt = 5e-4});
+    CHECK(open == 20);
+    w.after_each_step([] {});
+    w.simulate({.steps = 10, .dt = 5e-4});
+    CHECK(open == 30);  // the function above is called between both
+  });
 }
 
 TEST_CASE("the books of spheres close in every step, on rollers, on any ranks") {
