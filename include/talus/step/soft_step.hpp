@@ -369,6 +369,23 @@ template <class Scenario>
   return e;
 }
 
+// The energy of the springs at both ends of a step, for the energy ledger. Forces are computed at
+// one of them, at the start or (Verlet) at the end; the energy at the other one is computed
+// separately.
+
+/// After the forces at the start of a step: the springs at the end of the last one, if nothing has
+/// looked at them, and at the start of this one.
+template <class Scenario>
+void open_springs_as_measured(step_records<Scenario>& s) {
+  spring_record& r = s.monitors.springs;
+  signed_sum energy = r.normal;
+  (energy += r.released) += r.across_before;
+  if (std::exchange(r.undisturbed, false)) {
+    r.unclosed -= r.across_before;
+    close_springs(s, energy, r.unclosed);
+  }
+  open_springs(s, energy);
+}
 /// Forces and torques of all contacts, from the present positions and velocities; the springs of
 /// the contacts are advanced by dt. Needs the pairs of find_close_pairs().
 template <class Scenario>
@@ -395,6 +412,8 @@ void measure_forces(world_state<Scenario>& s) {
       return force_adder<Scenario, A, B, P, std::nullptr_t>(s, nobody);
   });
   if constexpr (law::remembers) s.recorded.hold_places(), std::swap(s.history, s.recorded);
+  if constexpr (monitored<Scenario, energy_ledger> && !Scenario::integrator::shares_midway)
+    open_springs_as_measured(s);
 
   each_movable_store(s, [&](auto& store, std::size_t first) {
     if constexpr (std::remove_reference_t<decltype(store)>::keeps_contact_forces)
@@ -405,23 +424,6 @@ void measure_forces(world_state<Scenario>& s) {
   });
 }
 
-// The energy of the springs at both ends of a step, for the energy ledger. Forces are computed at
-// one of them, at the start or (Verlet) at the end; the energy at the other one is computed
-// separately.
-
-/// After the forces at the start of a step: the springs at the end of the last one, if nothing has
-/// looked at them, and at the start of this one.
-template <class Scenario>
-void open_springs_as_measured(step_records<Scenario>& s) {
-  spring_record& r = s.monitors.springs;
-  signed_sum energy = r.normal;
-  (energy += r.released) += r.across_before;
-  if (std::exchange(r.undisturbed, false)) {
-    r.unclosed -= r.across_before;
-    close_springs(s, energy, r.unclosed);
-  }
-  open_springs(s, energy);
-}
 /// At the end of a step: the next one, or settle_books(), closes it.
 template <class Scenario>
 void leave_springs_open(step_records<Scenario>& s) {
@@ -453,8 +455,8 @@ void close_springs_as_measured(step_records<Scenario>& s) {
   r.undisturbed = true;
 }
 
-/// To be called after steps before anything else looks at the energy ledger or changes what it
-/// counts.
+/// Measures the springs at the end of the last step: before anything but the steps reads the
+/// ledger, or changes what it books.
 template <class Scenario>
 void settle_books(world_state<Scenario>& s) {
   if constexpr (Scenario::contact_law::soft && monitored<Scenario, energy_ledger>) {

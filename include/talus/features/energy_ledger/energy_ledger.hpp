@@ -533,10 +533,7 @@ struct energy_ledger::hooks {
   }
   template <class Scenario>
   static void after_solve(detail::world_state<Scenario>& s) {
-    if constexpr (!Scenario::contact_law::soft)
-      book_response(s);
-    else if constexpr (!Scenario::integrator::shares_midway)
-      open_springs_as_measured(s);
+    if constexpr (!Scenario::contact_law::soft) book_response(s);
   }
   template <class Scenario>
   static void after_move(detail::world_state<Scenario>& s) {
