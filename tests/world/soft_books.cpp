@@ -84,12 +84,12 @@ void on(int ranks, Main&& main) {
   });
 }
 
-/// All entries after steps of which none is looked at, or each.
+/// All entries after steps after each of which they are read, or after some.
 template <class Scenario>
-std::vector<double> entries(int ranks, bool looks) {
+std::vector<double> entries(int ranks, bool reads) {
   std::vector<double> all;
   on<Scenario>(ranks, [&](auto& w) {
-    if (looks)
+    if (reads)
       for (int k = 0; k < 300; ++k) w.step(5e-4), (void)measure_energy(w);
     else
       w.observe(every{70}, [](auto& world) { (void)measure_energy(world); }),
@@ -111,8 +111,8 @@ std::vector<double> entries(int ranks, bool looks) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("entries have the same bits on any ranks, whether something looks at them",
-                   Scenario, watched, watched_verlet, watched_endless<semi_implicit_euler>,
+TEST_CASE_TEMPLATE("entries have the same bits on any ranks, however often they are read", Scenario,
+                   watched, watched_verlet, watched_endless<semi_implicit_euler>,
                    watched_endless<velocity_verlet>, watched_ageing) {
   const auto one = entries<Scenario>(1, true);
   CHECK(one[1] > 0);
@@ -130,9 +130,9 @@ TEST_CASE("functions that only monitor the world do not make the ledger measure 
   on<watched>(2, [](auto& w) {
     const flow_meter meter(w, plane{});
     int open = 0;
-    const auto look = [&] { open += detail::view_of(w).monitors.springs.undisturbed; };
-    w.monitor_each_step("test", look);
-    w.monitor_after_observers("test", look);
+    const auto count = [&] { open += detail::view_of(w).monitors.springs.undisturbed; };
+    w.monitor_each_step("test", count);
+    w.monitor_after_observers("test", count);
     w.simulate({.steps = 10, .dt = 5e-4});
     CHECK(open == 20);
     w.after_each_step([] {});

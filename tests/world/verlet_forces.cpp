@@ -197,7 +197,7 @@ std::vector<found> observe_over(int before, int after) {
 }
 
 template <class Scenario>
-void looks_the_same_on_any_ranks() {
+void check_any_ranks() {
   const std::vector<found> one = observe_over<Scenario>(1, 1);
   REQUIRE(one.size() == 7);
   CHECK(one[1].contacts > grains);
@@ -244,9 +244,9 @@ TEST_CASE("shadow copies do not receive the forces of contacts") {
 }
 
 TEST_CASE("observed forces are the same on any ranks, while grains slide and after a restart") {
-  looks_the_same_on_any_ranks<walled>();
+  check_any_ranks<walled>();
 }
 
 TEST_CASE("observed forces across a periodic boundary are the same on any ranks") {
-  looks_the_same_on_any_ranks<endless>();
+  check_any_ranks<endless>();
 }

@@ -216,7 +216,7 @@ class session {
       if (++made_ != asked_ && !interrupted_ && !end_->began()) return;
       due_ = w.steps() == w.last_step();
       if (due_) return;
-      settle_books(state_of(w));  // the caller may change the world
+      close_ledger(state_of(w));  // the caller may change the world
       thread_.yield();
     });
     if constexpr (std::is_void_v<decltype(set_up_(w, o))>)

@@ -373,8 +373,8 @@ template <class Scenario>
 // one of them, at the start or (Verlet) at the end; the energy at the other one is computed
 // separately.
 
-/// After the forces at the start of a step: the springs at the end of the last one, if nothing has
-/// looked at them, and at the start of this one.
+/// After the forces at the start of a step: the springs at the end of the last one, if they have
+/// not been measured since, and at the start of this one.
 template <class Scenario>
 void open_springs_as_measured(step_records<Scenario>& s) {
   spring_record& r = s.monitors.springs;
@@ -424,7 +424,7 @@ void measure_forces(world_state<Scenario>& s) {
   });
 }
 
-/// At the end of a step: the next one, or settle_books(), closes it.
+/// At the end of a step: the next one, or close_ledger(), closes it.
 template <class Scenario>
 void leave_springs_open(step_records<Scenario>& s) {
   spring_record& r = s.monitors.springs;
@@ -455,10 +455,10 @@ void close_springs_as_measured(step_records<Scenario>& s) {
   r.undisturbed = true;
 }
 
-/// Measures the springs at the end of the last step: before anything but the steps reads the
-/// ledger, or changes what it books.
+/// Completes the ledger of the last step, if that is still open: before anything but the steps
+/// reads the ledger, or changes what it books.
 template <class Scenario>
-void settle_books(world_state<Scenario>& s) {
+void close_ledger(world_state<Scenario>& s) {
   if constexpr (Scenario::contact_law::soft && monitored<Scenario, energy_ledger>) {
     spring_record& r = s.monitors.springs;
     if (!std::exchange(r.undisturbed, false)) return;

@@ -166,7 +166,7 @@ class stage_view {
     std::vector<entry_type*> chosen;
     for (entry_type& e : s_.history.entries())
       if (select(std::as_const(law::template of<Law>(e.memory)))) chosen.push_back(&e);
-    if (!chosen.empty()) detail::settle_books(s_);  // f may change the energy of springs
+    if (!chosen.empty()) detail::close_ledger(s_);  // f may change the energy of springs
     visit_memories<Law>(chosen, f);
   }
   /// At after_solve the same for the memories before the forces of the step, to read: for those for

@@ -828,7 +828,7 @@ class world {
   using laps = detail::lap_clock<detail::world_state<Scenario>>;
   void call(const called& all, laps& clock) {
     for (const auto& one : all) {
-      if (one.acts_every != 0 && state_.steps % one.acts_every == 0) detail::settle_books(state_);
+      if (one.acts_every != 0 && state_.steps % one.acts_every == 0) detail::close_ledger(state_);
       one.f(), clock.lap(one.number);
     }
   }
