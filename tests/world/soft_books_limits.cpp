@@ -53,7 +53,7 @@ energy_balance slide(real dt) {
 template <class Integrator>
 energy_balance bounce(real dt) {
   return run<Integrator>(0.02, dt, [](auto& w) {
-    for (const int side : {-1, 1})
+    for (const real side : {-1.0, 1.0})
       w.add_if_local(body{.shape = sphere{radius},
                           .position = {side * (radius + 0.00123), 0, 0},
                           .velocity = {-side, 0, 0}});
