@@ -386,6 +386,7 @@ void open_springs_as_measured(step_records<Scenario>& s) {
   }
   open_springs(s, energy);
 }
+
 /// Forces and torques of all contacts, from the present positions and velocities; the springs of
 /// the contacts are advanced by dt. Needs the pairs of find_close_pairs().
 template <class Scenario>
