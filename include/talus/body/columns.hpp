@@ -143,11 +143,12 @@ struct torque {
   };
   static constexpr auto member = &storage::torque;
 };
-/// The sum of the present contact forces on a body, world frame.
+/// The sum of the present contact forces on a body, world frame. Its owner alone needs it.
 struct contact_force {
   using value_type = vec3;
   static constexpr const char *name = "contact_force", *unit = "M L/T^2";
   static constexpr int place = 3;
+  static constexpr travels travel = travels::on_migration;
   template <class Shape>
   static constexpr bool carried_by = Shape::finite;
   struct storage {
@@ -160,6 +161,7 @@ struct contact_torque {
   using value_type = vec3;
   static constexpr const char *name = "contact_torque", *unit = "M L^2/T^2";
   static constexpr int place = 4;
+  static constexpr travels travel = travels::on_migration;
   template <class Shape>
   static constexpr bool carried_by = Shape::finite;
   struct storage {
@@ -167,22 +169,10 @@ struct contact_torque {
   };
   static constexpr auto member = &storage::contact_torque;
 };
-/// The power of both, when they were computed.
-struct contact_power {
-  using value_type = real;
-  static constexpr const char *name = "contact_power", *unit = "M L^2/T^3";
-  static constexpr int place = 5;
-  template <class Shape>
-  static constexpr bool carried_by = Shape::finite;
-  struct storage {
-    plain_vector<real> contact_power;
-  };
-  static constexpr auto member = &storage::contact_power;
-};
 struct user_id {
   using value_type = std::uint32_t;
   static constexpr const char* name = "user_id";
-  static constexpr int place = 6;
+  static constexpr int place = 5;
   static constexpr travels travel = travels::when_changed;
   static constexpr bool in_output = true;
   struct storage {
@@ -194,7 +184,7 @@ struct user_id {
 struct quiet {
   using value_type = float;
   static constexpr const char *name = "quiet", *unit = "T";
-  static constexpr int place = 7;
+  static constexpr int place = 6;
   template <class Shape>
   static constexpr bool carried_by = Shape::finite;
   struct storage {
@@ -208,7 +198,7 @@ struct unborne {
   using value_type = float;
   static constexpr float initial = std::numeric_limits<float>::max();
   static constexpr const char *name = "unborne", *unit = "T";
-  static constexpr int place = 8;
+  static constexpr int place = 7;
   template <class Shape>
   static constexpr bool carried_by = Shape::finite;
   struct storage {
@@ -219,7 +209,7 @@ struct unborne {
 struct drift {
   using value_type = drift_while_slow;
   static constexpr const char* name = "drift";
-  static constexpr int place = 9;
+  static constexpr int place = 8;
   static constexpr travels travel = travels::on_migration;
   template <class Shape>
   static constexpr bool carried_by = Shape::finite;

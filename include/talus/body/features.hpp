@@ -183,13 +183,11 @@ struct contact_forces final {
   using talus_part_of = roles::features;
   using columns = type_list<columns::contact_force, columns::contact_torque>;
 };
-/// What springs and dashpots of soft contacts do: the energy ledger requires it. If bodies keep the
-/// forces of their contacts, they keep the power of these, too.
-template <bool KeepsForces>
+/// What springs and dashpots of soft contacts do: the energy ledger requires it.
 struct contact_flows final {
   using talus_inside = void;
   using talus_part_of = roles::features;
-  using columns = std::conditional_t<KeepsForces, type_list<columns::contact_power>, type_list<>>;
+  using columns = type_list<>;
   struct record;
 };
 /// What motors, springs and friction of joints do: the energy ledger requires it in scenarios with

@@ -42,7 +42,6 @@ struct body_store : column_storage<typename columns_of_bodies<Shape, Features>::
       Shape::finite && !Shape::isotropic;  ///< inertia is not a multiple of 1
   static constexpr bool forced = has<columns::force>;
   static constexpr bool keeps_contact_forces = has<columns::contact_force>;
-  static constexpr bool keeps_contact_power = has<columns::contact_power>;
   static constexpr bool sleeps = has<columns::quiet>;
   static constexpr bool numbered = has<columns::user_id>;
 

@@ -1,6 +1,6 @@
 #pragma once
-// For observers of soft contacts between steps: an integrator that refreshes shadow copies in the
-// middle of the step leaves them the velocities of that moment.
+// An integrator that refreshes shadow copies in the middle of the step leaves them the velocities
+// of that moment. Observers of soft contacts need those at its end.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -14,14 +14,14 @@
 
 namespace talus::detail {
 
-/// Collective: sets the velocities of shadow copies in s.soft.bodies to those of their owners. The
-/// copies themselves do not change, so that no step depends on it. Bodies may have been added or
-/// destroyed since the copies were refreshed.
+/// Collective: sets the velocities of shadow copies to those of their owners. No step depends on
+/// them: it refreshes the copies before it uses them. Bodies may have been added or destroyed since
+/// the last refresh.
 template <class Scenario>
-void read_velocities_of_owners(world_state<Scenario>& s) {
+void refresh_velocities(world_state<Scenario>& s) {
   using code = typename world_state<Scenario>::copy_code;
   struct motion {
-    system_id id = no_id;  ///< none: the owner has it no more
+    system_id id = no_id;  ///< none: it was destroyed, or has migrated
     vec3 v{0, 0, 0}, w{0, 0, 0};
   };
   std::vector<neighbour_message> messages;
@@ -58,18 +58,18 @@ void read_velocities_of_owners(world_state<Scenario>& s) {
   std::vector<byte_reader> in;
   for (const neighbour_message& m : messages) in.emplace_back(m.in);
   k = 0;
-  s.each_finite_shape([&](const auto& b) {
-    std::size_t copy = b.movable.locals, m = 0;
+  s.each_finite_shape([&](auto& b) {
+    auto& store = b.movable;
+    std::size_t copy = store.locals, m = 0;
     for (std::size_t n = 0; n < s.neighbours.size(); ++n) {
-      const bool told = m < with.size() && with[m] == n;
+      const bool sends = m < with.size() && with[m] == n;
       for (std::size_t c = 0; c < s.neighbours[n].copies[k]; ++c, ++copy) {
-        if (!told) continue;
+        if (!sends) continue;
         const auto of_owner = in[m].template get<motion>();
-        if (of_owner.id == no_id) continue;
-        auto& body = s.soft.bodies[b.first + copy];
-        body.v = of_owner.v, body.w = of_owner.w;
+        if (copy >= store.size() || store.id[copy] != of_owner.id) continue;
+        store.velocity[copy] = of_owner.v, store.angular_velocity[copy] = of_owner.w;
       }
-      m += told;
+      m += sends;
     }
     ++k;
   });

@@ -49,9 +49,6 @@ struct soft_state {
   real fastest_approach = 0;  ///< along the normal of a contact, in steps of the present dt
   /// Of the forces of the contacts that count on this rank, in this step; for the residual monitor.
   double squares_of_forces = 0;
-  /// Whether owners have other velocities than at the last refresh of shadow copies; alike on all
-  /// ranks.
-  bool copies_lag = false;
   /// Longest stable step for the bonds when some were made, of all such moments.
   real step_of_bonds = std::numeric_limits<real>::infinity();
 };

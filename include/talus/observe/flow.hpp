@@ -125,7 +125,7 @@ class flow_meter {
     where.validate();
     counter_ = std::make_shared<detail::crossing_counter<Scenario>>(detail::view_of(w), where);
     w.before_simulating("flow meters", [counter = counter_] { counter->note(); });
-    w.after_each_step("flow meters", [counter = counter_] { counter->count(); });
+    w.monitor_each_step("flow meters", [counter = counter_] { counter->count(); });
   }
   /// Collective: sums over all ranks, since the meter was made.
   [[nodiscard]] flow total() const {

@@ -272,9 +272,8 @@ struct scenario final {
   using precision = typename precision_policy::type;             ///< double
   using features = std::conditional_t<                           ///< none
       !names<energy_ledger> || (!law_policy::soft && !has_joints), kept_features,
-      detail::list_with<kept_features,
-                        std::conditional_t<has_joints, detail::joint_flows,
-                                           detail::contact_flows<integrator::shares_midway>>>>;
+      detail::list_with<kept_features, std::conditional_t<has_joints, detail::joint_flows,
+                                                          detail::contact_flows>>>;
   using joints = typename joints_policy::list;  ///< none
 
   template <class Shape>

@@ -338,34 +338,27 @@ void prepare_observation(world_state<Scenario>& s) {
   update_flush_bodies(s);
   gather_motion(s);
 }
-template <class Scenario, class Observer>
-void visit_contacts(world_state<Scenario>& s, Observer& observer) {
-  each_neighbour_pair(s, [&]<class A, class B, partner P>() {
-    return force_adder<Scenario, A, B, P, Observer>(s, observer);
-  });
-}
 
-/// Calls observer(key, geometry, force on a, counts_here) for all contacts of the present state,
-/// where each counts on one rank, or adds up their stored energies. No rank waits for another, and
-/// the forces of contacts with shadow copies may be those of the middle of the step. Changes
-/// nothing that a step depends on.
+/// Calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the present state;
+/// over all ranks each acts on each of its bodies once; or observer(key, geometry, force on a,
+/// counts_here), where each counts on one rank; or observer(key, point, centre of a, centre of b,
+/// force and moment on a, counts_here); or adds up their stored energies. No rank waits for
+/// another, and shadow copies have the velocities that they have. Changes nothing that a step
+/// depends on.
 template <class Scenario, class Observer>
 void observe_contacts(world_state<Scenario>& s, Observer&& observer) {
   prepare_observation(s);
-  visit_contacts(s, observer);
+  each_neighbour_pair(s, [&]<class A, class B, partner P>() {
+    return force_adder<Scenario, A, B, P, std::remove_reference_t<Observer>>(s, observer);
+  });
 }
 
-/// Collective: calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the
-/// present state; over all ranks each acts on each of its bodies once; or observer(key, geometry,
-/// force on a, counts_here), where each counts on one rank; or observer(key, point, centre of a,
-/// centre of b, force and moment on a, counts_here). All ranks of a contact see the same force.
-/// Changes nothing that a step depends on.
+/// Collective: the same between two steps. All ranks of a contact see the same force.
 template <class Scenario, class Observer>
 void observe_forces(world_state<Scenario>& s, Observer&& observer) {
-  prepare_observation(s);
   if constexpr (Scenario::integrator::shares_midway && !world_state<Scenario>::link_type::alone)
-    if (s.soft.copies_lag) read_velocities_of_owners(s);
-  visit_contacts(s, observer);
+    refresh_velocities(s);
+  observe_contacts(s, observer);
 }
 
 /// The energies of the springs in the present state. Searches for pairs only if those of the last
@@ -396,6 +389,24 @@ template <class Scenario>
   return e;
 }
 
+// The energy of the springs at both ends of a step, for the energy ledger. Forces are computed at
+// one of them, at the start or (Verlet) at the end; the energy at the other one is computed
+// separately.
+
+/// After the forces at the start of a step: the springs at the end of the last one, if they have
+/// not been measured since, and at the start of this one.
+template <class Scenario>
+void open_springs_as_measured(step_records<Scenario>& s) {
+  spring_record& r = s.monitors.springs;
+  signed_sum energy = r.normal;
+  (energy += r.released) += r.across_before;
+  if (std::exchange(r.undisturbed, false)) {
+    r.unclosed -= r.across_before;
+    close_springs(s, energy, r.unclosed);
+  }
+  open_springs(s, energy);
+}
+
 /// Forces and torques of all contacts, from the present positions and velocities; the springs of
 /// the contacts are advanced by dt. Needs the pairs of find_close_pairs().
 template <class Scenario>
@@ -422,38 +433,19 @@ void measure_forces(world_state<Scenario>& s) {
       return force_adder<Scenario, A, B, P, std::nullptr_t>(s, nobody);
   });
   if constexpr (law::remembers) s.recorded.hold_places(), std::swap(s.history, s.recorded);
+  if constexpr (monitored<Scenario, energy_ledger> && !Scenario::integrator::shares_midway)
+    open_springs_as_measured(s);
 
   each_movable_store(s, [&](auto& store, std::size_t first) {
     if constexpr (std::remove_reference_t<decltype(store)>::keeps_contact_forces)
       for (std::size_t i = 0; i < store.locals; ++i) {
         store.contact_force[i] = s.soft.bodies[first + i].force;
         store.contact_torque[i] = s.soft.bodies[first + i].torque;
-        if constexpr (std::remove_reference_t<decltype(store)>::keeps_contact_power) {
-          const soft_body& body = s.soft.bodies[first + i];
-          store.contact_power[i] = body.force.dot(body.v) + body.torque.dot(body.w);
-        }
       }
   });
 }
 
-// The energy of the springs at both ends of a step, for the energy ledger. Forces are computed at
-// one of them, at the start or (Verlet) at the end; the energy at the other one is computed
-// separately.
-
-/// After the forces at the start of a step: the springs at the end of the last one, if nothing has
-/// looked at them, and at the start of this one.
-template <class Scenario>
-void open_springs_as_measured(step_records<Scenario>& s) {
-  spring_record& r = s.monitors.springs;
-  signed_sum energy = r.normal;
-  (energy += r.released) += r.across_before;
-  if (std::exchange(r.undisturbed, false)) {
-    r.unclosed -= r.across_before;
-    close_springs(s, energy, r.unclosed);
-  }
-  open_springs(s, energy);
-}
-/// At the end of a step: the next one, or settle_books(), closes it.
+/// At the end of a step: the next one, or close_ledger(), closes it.
 template <class Scenario>
 void leave_springs_open(step_records<Scenario>& s) {
   spring_record& r = s.monitors.springs;
@@ -484,10 +476,10 @@ void close_springs_as_measured(step_records<Scenario>& s) {
   r.undisturbed = true;
 }
 
-/// To be called after steps before anything else looks at the energy ledger or changes what it
-/// counts.
+/// Completes the ledger of the last step, if that is still open: before anything but the steps
+/// reads the ledger, or changes what it books.
 template <class Scenario>
-void settle_books(world_state<Scenario>& s) {
+void close_ledger(world_state<Scenario>& s) {
   if constexpr (Scenario::contact_law::soft && monitored<Scenario, energy_ledger>) {
     spring_record& r = s.monitors.springs;
     if (!std::exchange(r.undisturbed, false)) return;
@@ -501,7 +493,7 @@ void settle_books(world_state<Scenario>& s) {
 
 /// Velocities of the bodies owned here, after their contacts, gravity and the user's forces have
 /// acted for the time `h`.
-template <class Scenario>
+template <forces_of Forces, class Scenario>
 void kick(world_state<Scenario>& s, real h) {
   const real kept = s.damping == 1 ? 1 : portable::pow(s.damping, h);
   [[maybe_unused]] auto sums = kick_sums_of(s);
@@ -519,13 +511,10 @@ void kick(world_state<Scenario>& s, real h) {
         torque = s.soft.bodies[first + i].torque;
       }
       [[maybe_unused]] const vec3 of_contacts = force, turn_of_contacts = torque;
-      [[maybe_unused]] real power = 0;
-      if constexpr (monitored<Scenario, energy_ledger>) {
+      [[maybe_unused]] real booked = 0;
+      if constexpr (monitored<Scenario, energy_ledger> && Forces == forces_of::this_step) {
         const soft_body& body = s.soft.bodies[first + i];
-        if constexpr (store_type::keeps_contact_power)
-          power = store.contact_power[i];
-        else
-          power = force.dot(body.v) + torque.dot(body.w);
+        booked = force.dot(body.v) + torque.dot(body.w);
       }
       if constexpr (store_type::forced) {
         force += store.force[i];
@@ -540,13 +529,13 @@ void kick(world_state<Scenario>& s, real h) {
       const vec3 v = store.velocity[i] + h * (inverse_mass * force + s.gravity),
                  w = store.angular_velocity[i] + (h * inverse_mass) * torque;
       if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
-        book_kick(s, sums, store, i, h, kept, of_contacts, turn_of_contacts, power, v, w);
+        book_kick<Forces>(s, sums, store, i, h, kept, of_contacts, turn_of_contacts, booked, v, w);
       store.velocity[i] = kept * v;
       store.angular_velocity[i] = kept * w;
     }
   });
   if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
-    book_kick_of_contacts(s, h);
+    book_kick_of_contacts<Forces>(s, h);
 }
 
 /// Positions and orientations of the bodies owned here, after free motion for the time `h`.

@@ -50,7 +50,7 @@ template <class Scenario>
 requires monitored<Scenario, energy_ledger>
 struct books_of_step<Scenario, std::nullptr_t> {
   exact_batch<signed_sum> normal, across_before, across, yielded, spring, dashpot, friction;
-  wide_pack<real> exchanged{};  // powers
+  exact_batch<exact_sum> exchanged;
   books_of_step(world_state<Scenario>& s, std::nullptr_t)
       : normal(s.monitors.springs.normal),
         across_before(s.monitors.springs.across_before),
@@ -58,7 +58,8 @@ struct books_of_step<Scenario, std::nullptr_t> {
         yielded(s.monitors.springs.yielded),
         spring(s.monitors.springs.spring_power),
         dashpot(s.monitors.springs.dashpot_power),
-        friction(s.monitors.springs.friction_power) {}
+        friction(s.monitors.springs.friction_power),
+        exchanged(s.monitors.springs.exchanged_power) {}
 };
 
 /// Adds up the forces, with the springs advanced by a step; or, with spring_energies as observer,
@@ -125,9 +126,6 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       s_.soft.fastest_approach = std::max(s_.soft.fastest_approach, lane(fastest_, l));
     if constexpr (residual)
       for (std::size_t l = 0; l < lanes; ++l) s_.soft.squares_of_forces += lane(squares_, l);
-    if constexpr (booked)
-      for (std::size_t l = 0; l < lanes; ++l)
-        s_.monitors.springs.exchanged_power += lane(books_.exchanged, l);
   }
 
  private:
@@ -295,9 +293,8 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     add(books_.normal, c.stored), add(books_.across_before, c.across_before);
     add(books_.across, c.across), add(books_.yielded, c.yielded);
     add(books_.spring, p.spring), add(books_.dashpot, p.dashpot), add(books_.friction, p.friction);
-    books_.exchanged += choose(
-        counting, size_of_lanes(p.spring) + size_of_lanes(p.dashpot) + size_of_lanes(p.friction),
-        number{});
+    add(books_.exchanged,
+        size_of_lanes(p.spring) + size_of_lanes(p.dashpot) + size_of_lanes(p.friction));
   }
   /// The power on bodies of other ranks of the contacts that count here, and the reverse.
   [[gnu::always_inline]] inline void book_across_ranks(

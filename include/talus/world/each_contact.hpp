@@ -160,12 +160,16 @@ struct all_contacts {
 
 /// Collective: calls f(contact, counts_here) for the contacts that carry a force and have a body
 /// owned here: over all ranks each counts once. Of hard contacts only those for whose key
-/// select(key) holds.
-template <class Scenario, class F, class Select = all_contacts>
+/// select(key) holds. At a stage of the step no rank waits for another.
+template <bool AtStage = false, class Scenario, class F, class Select = all_contacts>
 void each_loaded_contact(world_state<Scenario>& s, const body_places<Scenario>& places, F&& f,
                          [[maybe_unused]] Select select = {}) {
   if constexpr (Scenario::contact_law::soft) {
-    observe_forces(s, soft_reporter(s, places, f));
+    auto report = soft_reporter(s, places, f);
+    if constexpr (AtStage)
+      observe_contacts(s, report);
+    else
+      observe_forces(s, report);
   } else {
     if (!(s.dt > 0)) return;
     pair_points<Scenario> points(s, places);

@@ -85,8 +85,7 @@ class stage_view {
   /// Calls f(body) for each contact of the step that carries a force and touches a body that this
   /// rank owns, in an order that depends on the ids of the bodies: sums over the contacts of a body
   /// have the same bits on any ranks. Both ranks see a contact across ranks. At after_solve the
-  /// contacts are those that were solved, at the positions where they were found. Collective: all
-  /// ranks visit contacts at the same stages.
+  /// contacts are those that were solved, at the positions where they were found.
   template <class F>
   void for_each_contact(F&& f) {
     find_contacts();
@@ -157,6 +156,7 @@ class stage_view {
     std::vector<entry_type*> chosen;
     for (entry_type& e : s_.history.entries())
       if (select(std::as_const(law::template of<Law>(e.memory)))) chosen.push_back(&e);
+    if (!chosen.empty()) detail::close_ledger(s_);  // f may change the energy of springs
     visit_memories<Law>(chosen, f);
   }
   /// At after_solve the same for the memories before the forces of the step, to read: for those for
@@ -229,10 +229,10 @@ class stage_view {
     };
     if constexpr (Scenario::contact_law::soft) {
       const auto forces = s_.soft.bodies;  // of the step under way
-      each_loaded_contact(s_, *places_, note);
+      each_loaded_contact<true>(s_, *places_, note);
       s_.soft.bodies = forces;
     } else {
-      each_loaded_contact(s_, *places_, note);
+      each_loaded_contact<true>(s_, *places_, note);
     }
     sort_contacts(contacts_);
   }

@@ -622,8 +622,9 @@ class world {
   void after_each_step(std::string_view name, std::function<void()> f) {
     observers_.push_back({std::move(f), state_.functions.number(name)});
   }
-  /// The same for an f that changes nothing of the world.
-  void look_after_each_step(std::string_view name, std::function<void()> f) {
+  /// The same for an f that changes neither bodies nor parameters. (With soft contacts and
+  /// features<energy_ledger> the others cost a pass over the contacts in each step.)
+  void monitor_each_step(std::string_view name, std::function<void()> f) {
     observers_.push_back({std::move(f), state_.functions.number(name), 0});
   }
   /// Calls f(world) after each step of simulate() whose number is a multiple of `when.steps`, on
@@ -660,8 +661,8 @@ class world {
   void after_observers(std::string_view name, std::function<void()> f) {
     writers_.push_back({std::move(f), state_.functions.number(name)});
   }
-  /// The same for an f that changes nothing of the world.
-  void look_after_observers(std::string_view name, std::function<void()> f) {
+  /// The same for an f that changes neither bodies nor parameters.
+  void monitor_after_observers(std::string_view name, std::function<void()> f) {
     writers_.push_back({std::move(f), state_.functions.number(name), 0});
   }
   /// Calls f() at the start of each simulate(), when all bodies are with their owners.
@@ -830,7 +831,7 @@ class world {
   using laps = detail::lap_clock<detail::world_state<Scenario>>;
   void call(const called& all, laps& clock) {
     for (const auto& one : all) {
-      if (one.acts_every != 0 && state_.steps % one.acts_every == 0) detail::settle_books(state_);
+      if (one.acts_every != 0 && state_.steps % one.acts_every == 0) detail::close_ledger(state_);
       one.f(), clock.lap(one.number);
     }
   }

@@ -162,7 +162,7 @@ struct spring_record {
   exact_sum exchanged_power;  ///< absolute values of these
   signed_sum wall_power;      ///< of moving fixed bodies on others
   /// The part of the power of the contacts that count here on bodies of other ranks, minus that of
-  /// contacts that count there on bodies owned here; and its work in the step.
+  /// contacts that count there on bodies owned here; and its work since it was computed.
   signed_sum power_elsewhere, work_elsewhere;
   /// Energies at the last computation of forces: along the normal, and across it (and of rolling)
   /// before and after the springs were advanced; energy lost by slip between.
@@ -234,11 +234,15 @@ template <class Scenario>
   return sums;
 }
 
-/// Whether nothing but the steps has changed energies since the last step.
+/// Whether the energies of the bodies owned here are those at the end of the last step. If bodies
+/// migrate after that, their owners change, and the potential energy of a body that crosses a
+/// periodic face.
 template <class Scenario>
-[[nodiscard]] bool holds_books(const step_records<Scenario>& s) {
+[[nodiscard]] bool keeps_energies(const world_state<Scenario>& s) {
   if constexpr (Scenario::contact_law::soft)
-    return s.monitors.springs.undisturbed;
+    return s.monitors.springs.undisturbed &&
+           (Scenario::integrator::shares_midway ||
+            (s.link->size() == 1 && !world_state<Scenario>::periodic));
   else
     return (void)s, false;
 }
@@ -249,7 +253,7 @@ void open_energy(world_state<Scenario>& s) {
   r.running = {};
   r.exchanged = {};
   if constexpr (world_state<Scenario>::has_joints) s.monitors.drives.running = {};
-  if (holds_books(s) && (s.link->size() == 1 || Scenario::integrator::shares_midway)) {
+  if (keeps_energies(s)) {
     r.before = r.after;
     return;
   }
@@ -506,8 +510,7 @@ struct detail::joint_flows::record {
     f("drives", drives);
   }
 };
-template <bool KeepsForces>
-struct detail::contact_flows<KeepsForces>::record {
+struct detail::contact_flows::record {
   spring_record springs;
 
   template <class F>
@@ -530,10 +533,7 @@ struct energy_ledger::hooks {
   }
   template <class Scenario>
   static void after_solve(detail::world_state<Scenario>& s) {
-    if constexpr (!Scenario::contact_law::soft)
-      book_response(s);
-    else if constexpr (!Scenario::integrator::shares_midway)
-      open_springs_as_measured(s);
+    if constexpr (!Scenario::contact_law::soft) book_response(s);
   }
   template <class Scenario>
   static void after_move(detail::world_state<Scenario>& s) {

@@ -65,18 +65,23 @@ template <class Scenario>
     return (void)s, no_kick_sums{};
 }
 
+/// The forces of contacts that change velocities: those that this step has computed, or those of
+/// the last step. Between these two, the user may have removed, fixed or released bodies, and other
+/// ranks may own them.
+enum class forces_of { this_step, last_step };
+
 /// A change of velocity by forces over the time h: to v and w, before damping. `force` and `torque`
-/// are those of the contacts, and `power` is theirs on the body when they were computed: contacts
-/// book that, and the rest of their work, of second order in h, is the scheme's.
-template <class Scenario, class Store, class Sums>
+/// are those of the contacts, and `booked` is the part of their power on the body that the contacts
+/// book on this rank. The rest of their work, of second order in h, is the scheme's.
+template <forces_of Forces, class Scenario, class Store, class Sums>
 void book_kick(world_state<Scenario>& s, Sums& sums, const Store& store, std::size_t i, real h,
-               real kept, const vec3& force, const vec3& torque, real power, const vec3& v,
+               real kept, const vec3& force, const vec3& torque, real booked, const vec3& v,
                const vec3& w) {
   const real mass = 1 / store.inverse_mass[i];
   if constexpr (monitored<Scenario, energy_ledger>) {
     energy_record& r = s.monitors.energy;
     const vec3 mv = 0.5 * (store.velocity[i] + v), mw = 0.5 * (store.angular_velocity[i] + w);
-    sums.scheme += h * (force.dot(mv) + torque.dot(mw) - power) + (h * mass) * s.gravity.dot(mv);
+    sums.scheme += h * (force.dot(mv) + torque.dot(mw) - booked) + (h * mass) * s.gravity.dot(mv);
     if constexpr (Store::forced)
       r.running.work += h * (store.force[i].dot(mv) + store.torque[i].dot(mw));
     if (kept != 1) {
@@ -89,22 +94,32 @@ void book_kick(world_state<Scenario>& s, Sums& sums, const Store& store, std::si
     r.gravity += vec3((h * mass) * s.gravity);
     if constexpr (Store::forced) r.forces += vec3(h * store.force[i]);
     r.damping += vec3(-(1 - kept) * mass * v);
+    if constexpr (Forces == forces_of::last_step) r.ground += vec3(h * force);
   }
 }
 /// Books the work of soft contacts, and their impulse on fixed and global bodies, over the time h.
-template <class Scenario>
+/// The contacts of the last step may act on other bodies by now: the scheme takes what they book,
+/// and the work on the present bodies. The impulse on these is that of the ground, which includes
+/// bodies that were removed.
+template <forces_of Forces, class Scenario>
 void book_kick_of_contacts(step_records<Scenario>& s, real h) {
   if constexpr (monitored<Scenario, energy_ledger>) {
     auto& running = s.monitors.energy.running;
     spring_record& r = s.monitors.springs;
     running.work += r.wall_power.times(h);
-    running.scheme += r.spring_power.times(h);
     running.impact -= r.dashpot_power.times(h);
     running.friction -= r.friction_power.times(h);
-    s.monitors.energy.exchanged += h * r.exchanged_power.value();
-    r.work_elsewhere += r.power_elsewhere.times(h);
+    s.monitors.energy.exchanged.add_product(r.exchanged_power, h);
+    if constexpr (Forces == forces_of::this_step) {
+      running.scheme += r.spring_power.times(h);
+      r.work_elsewhere += r.power_elsewhere.times(h);
+    } else {
+      signed_sum booked = r.wall_power;
+      (booked += r.dashpot_power) += r.friction_power;
+      running.scheme -= booked.times(h);
+    }
   }
-  if constexpr (monitored<Scenario, momentum_balance>)
+  if constexpr (monitored<Scenario, momentum_balance> && Forces == forces_of::this_step)
     s.monitors.momentum.ground += vec3(h * s.monitors.momentum.ground_force);
 }
 
@@ -138,12 +153,13 @@ void open_springs(step_records<Scenario>& s, const signed_sum& energy) {
   r.start = energy;
 }
 
-/// Before and after bodies migrate within a step: their energy goes with them.
+/// Before and after bodies migrate within a step: their energy goes with them. The sum over the
+/// ranks changes by that of bodies that cross a periodic face.
 template <class Scenario>
 void book_migration(world_state<Scenario>& s, real sign) {
   const signed_sum now = energy_of(s).all();
-  signed_sum& moved = s.monitors.springs.moved;
-  sign > 0 ? moved += now : moved -= now;
+  const auto add = [&](signed_sum& sum) { sign > 0 ? sum += now : sum -= now; };
+  add(s.monitors.springs.moved), add(s.monitors.energy.changes);
 }
 
 /// The entries of a step besides those of the springs at its end.

@@ -167,7 +167,7 @@ template <class Scenario>
   w.before_simulating("page of --view", [&w, view, steps = o.steps] {
     view->begin(w.last_step() > w.steps() ? w.last_step() - w.steps() : steps);
   });
-  w.look_after_each_step("page of --view", [view] { view->step(); });
+  w.monitor_each_step("page of --view", [view] { view->step(); });
   return view;
 }
 

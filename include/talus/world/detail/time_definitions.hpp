@@ -29,7 +29,7 @@ body_count world<Scenario>::audit() {
 template <class Scenario>
 void world<Scenario>::synchronize() {
   sections_.require_all_ranks("synchronize", rank());
-  detail::settle_books(state_);
+  detail::close_ledger(state_);
   require_domain();
   if constexpr (!link_type::alone) {
     require_two_sided_connections();
@@ -98,7 +98,7 @@ void world<Scenario>::step(real dt) {
     detail::step_with_clock(state_, dt);
   else
     detail::step(state_, dt);
-  if (balances || !simulating_) detail::settle_books(state_);
+  if (balances || !simulating_) detail::close_ledger(state_);
   const traffic sent = state_.link->counters() - before;
   state_.sent.messages_max = std::max(state_.sent.messages_max, sent.messages);
   state_.sent.bytes_max = std::max(state_.sent.bytes_max, sent.bytes);
@@ -119,7 +119,7 @@ void world<Scenario>::stop() {
 template <class Scenario>
 bool world<Scenario>::ends_now(const simulation& s) {
   if (s.stop_when && state_.steps % s.check_every == 0) {
-    detail::settle_books(state_);
+    detail::close_ledger(state_);
     stop_asked_ = s.stop_when() || stop_asked_;
     agree_ = true;
   }
@@ -204,7 +204,7 @@ void world<Scenario>::simulate(const simulation& s) {
     keeper_.course.end(state_.steps);
     keeper_.after_call = detail::parameters_of(state_);
   }
-  detail::settle_books(state_);
+  detail::close_ledger(state_);
   (void)audit();
 }
 
