@@ -181,6 +181,23 @@ TEST_CASE("parts of other shapes that overlap weigh their true volume to 1e-6") 
   const some cross({{.shape = cylinder{0.5, 3}},
                     {.shape = cylinder{0.5, 3}, .at = {{0, 0, 0}, rotation({1, 0, 0}, pi / 2)}}});
   CHECK(cross.volume() == doctest::Approx(2 * pi * 0.25 * 3 - 16. / 3 * 0.125).epsilon(1e-6));
+  // Parts that are small beside another, wherever they lie and however thin they are.
+  for (const real place : {-4., -1.13, 0.37, 1.4142, 4.}) {
+    CAPTURE(place);
+    const real w = 0.2, thin = 0.05, r = 0.1;
+    const some pins({{.shape = box{{10, 10, 10}}},
+                     {.shape = box{{w, 10, w}}, .at = {{0, 0, -4.5}}, .density = 3},
+                     {.shape = box{{w, 10, w}}, .at = {{0, 0, place}}, .density = 3},
+                     {.shape = box{{w, 10, w}}, .at = {{0, 0, 4.5}}, .density = 3}});
+    CHECK(pins.volume() == doctest::Approx(1000 + 2 * 3 * 10 * w * w).epsilon(1e-8));
+    // A tilted needle, whose bounds are wide, and a sphere.
+    const pose at{{place / 8, place / 4, -place / 4}, rotation({1, 0, 0}, 0.6)};
+    const some needle(
+        {{.shape = box{{4, 6, 6}}}, {.shape = box{{thin, 4, thin}}, .at = at, .density = 3}});
+    CHECK(needle.volume() == doctest::Approx(144 + 2 * 4 * thin * thin).epsilon(1e-6));
+    const some seed({{.shape = box{{4, 6, 6}}}, {.shape = sphere{r}, .at = at, .density = 3}});
+    CHECK(seed.volume() == doctest::Approx(144 + 2 * 4 * pi / 3 * r * r * r).epsilon(1e-6));
+  }
   // What only touches, side by side, counts in full.
   const some blocks({{.shape = box{{1, 1, 1}}}, {.shape = box{{1, 1, 1}}, .at = {{1, 0, 0}}}});
   CHECK(blocks.volume() == 2);

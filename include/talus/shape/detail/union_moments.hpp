@@ -127,22 +127,23 @@ class shared_moments {
   /// In the frame of the part.
   template <class A>
   [[nodiscard]] mass_moments<Real> by_lines(const A& a, const pose& at) {
-    const vec3 half = a.half_extents(pose{});
-    vec3 lower = half, upper = -half;
+    std::vector<part_bounds> bounds;
     const pose back = inverse(at);
     std::vector<pose> places;      // of the others, in the frame of the part
+    std::vector<pose> turns;       // from the frame of the part to those of the others
     std::vector<vec3> directions;  // of the lines, in the frames of the others
     for (const std::size_t j : earlier_)
       parts_.visit(j, [&](const auto& b, const pose& of_b, real) {
         const pose there = combined(back, of_b);
         const vec3 reach = b.half_extents({{0, 0, 0}, there.orientation});
-        lower = lower.cwiseMin(vec3(there.position - reach));
-        upper = upper.cwiseMax(vec3(there.position + reach));
+        bounds.push_back({there.position - reach, there.position + reach});
         places.push_back(there);
-        directions.push_back(inverse({{0, 0, 0}, there.orientation}).to_world(vec3(1, 0, 0)));
+        turns.push_back(inverse({{0, 0, 0}, there.orientation}));
+        directions.push_back(turns.back().to_world(vec3(1, 0, 0)));
       });
     return shared_by_parts(
-        half, lower, upper, earlier_.size() + 1, [&](std::size_t n, const vec3& p) {
+        a.half_extents(pose{}), bounds,
+        [&](std::size_t n, const vec3& p) {
           if (n == 0) return a.chord(p, vec3(1, 0, 0));
           chord found = no_chord;
           parts_.visit(earlier_[n - 1], [&]<class B>(const B& b, const pose&, real) {
@@ -150,6 +151,15 @@ class shared_moments {
               found = b.chord(places[n - 1].to_body(p), directions[n - 1]);
           });
           return found;
+        },
+        [&](std::size_t n, const vec3& d) {
+          if (n == 0) return d.dot(a.support(d));
+          real reach = 0;
+          parts_.visit(earlier_[n - 1], [&](const auto& b, const pose&, real) {
+            const vec3 turned = turns[n - 1].to_world(d);
+            reach = d.dot(places[n - 1].position) + turned.dot(b.support(turned));
+          });
+          return reach;
         });
   }
   /// About the origin, from moments in a frame.
