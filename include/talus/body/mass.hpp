@@ -22,11 +22,12 @@ template <class Shape>
   return (b.density ? b.density.value() : materials[b.material].density) * b.shape.volume();
 }
 
-/// The mass of body i of a store; of a fixed one by density and volume.
+/// The mass of body i of a store, also of a fixed one.
 template <class Store>
 [[nodiscard]] real mass_of(const Store& store, std::size_t i, const material_table& materials) {
   const real by_volume = materials[store.material[i]].density * store.shape[i].volume();
-  const real inverse = store.inverse_mass[i];
+  const real inverse =
+      store.keeps_mass(i) ? store.kept.inverse_of(store.id[i]) : store.inverse_mass[i];
   return inverse == 0 || inverse == 1 / by_volume ? by_volume : 1 / inverse;
 }
 

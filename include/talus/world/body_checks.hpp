@@ -16,7 +16,7 @@ struct own_mass {
   given_number density, mass;
   given_inertia inertia;
   given_point centre;
-  bool fixed, takes_inertia;
+  bool global, takes_inertia;
 };
 /// Throws invalid_argument, with the values, for what no body can have, and for what bodies of the
 /// shape cannot have.
@@ -41,9 +41,8 @@ void require_sane(const body<Shape>& b, const material_table& materials, bool gl
     fail<std::invalid_argument>(
         "the world has no material yet: make one with world.material(...) before adding bodies");
   if (b.density || b.mass || b.inertia || b.centre)
-    require_own_mass(
-        {b.density, b.mass, b.inertia, b.centre, b.fixed || global, takes_inertia<Shape>},
-        Shape::name, b.position);
+    require_own_mass({b.density, b.mass, b.inertia, b.centre, global, takes_inertia<Shape>},
+                     Shape::name, b.position);
   if constexpr (Shape::finite) {
     const real mass = mass_of(b, materials);
     const vec3 moments = mass * b.shape.inertia();

@@ -73,10 +73,10 @@ TALUS_INLINE void require_own_mass(const own_mass& own, const char* shape, const
     fail<std::invalid_argument>(
         "a {} at {} is given the mass {} and the density {}: leave one of the two out", shape,
         position, own.mass.value(), own.density.value());
-  if (own.fixed && (own.mass || own.density))
+  if (own.global && (own.mass || own.density))
     fail<std::invalid_argument>(
-        "a {} at {} is fixed, or global, and is given the {} {}: leave it out, since nothing can "
-        "move the body",
+        "a {} at {} is global and is given the {} {}: leave it out, since nothing can ever move "
+        "the body",
         shape, position, own.mass ? "mass" : "density",
         own.mass ? own.mass.value() : own.density.value());
   if (!own.takes_inertia && (own.inertia || own.centre))

@@ -57,7 +57,7 @@ class stage_body {
   [[nodiscard]] const talus::material& material() const {
     return s_.materials[store_.material[i_]];
   }
-  /// Of a fixed body by density and volume.
+  /// Also of a fixed body.
   [[nodiscard]] real mass() const requires(shape_type::finite) {
     return detail::mass_of(store_, i_, s_.materials);
   }
