@@ -370,6 +370,16 @@ TEST_CASE("impossible masses are refused with their numbers") {
          {"principal moments", "above 0"});
     says(body{.shape = u, .position = at, .inertia = nan}, {"finite"});
     says(body{.shape = u, .position = at, .centre = {0, nan, 0}}, {"the centre of mass", "nan"});
+    says(body{.shape = u, .position = at, .centre = {0, 0, -300}},
+         {"the centre of mass (0, 0, -300) of a union_of at (1, 2, 3) is 600 radii from the middle "
+          "of the shape, where the body has no mass: give .centre in the coordinates of the shape, "
+          "not in those of the world"});
+    // Of a shape whose coordinates begin elsewhere.
+    const ball far({{.shape = s, .at = {{7, 0, 0}}}});
+    says(body{.shape = far, .position = at, .centre = {0, 0, 0}}, {"14 radii"});
+    CHECK(refusal([&] {
+            w.add(body{.shape = far, .position = {9, 9, 9}, .centre = {7.4, 0, 0}});
+          }).empty());
     w.global([&](auto& scope) {
       CHECK(refusal([&] { scope.add(body{.shape = s, .mass = 2}); }).find("is global and") !=
             std::string::npos);

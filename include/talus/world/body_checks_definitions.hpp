@@ -87,6 +87,15 @@ TALUS_INLINE void require_own_mass(const own_mass& own, const char* shape, const
   if (own.centre && !finite(own.centre.value()))
     fail<std::invalid_argument>("the centre of mass of a {} at {} must be finite, but is {}", shape,
                                 position, own.centre.value());
+  if (own.centre) {
+    const real distance = (own.centre.value() - own.middle).norm();
+    if (!(distance <= own.radius))
+      fail<std::invalid_argument>(
+          "the centre of mass {} of a {} at {} is {} radii from the middle of the shape, where the "
+          "body has no mass: give .centre in the coordinates of the shape, not in those of the "
+          "world",
+          own.centre.value(), shape, position, distance / own.radius);
+  }
   if (own.inertia) require_inertia(own.inertia.value(), shape, position);
 }
 
