@@ -114,6 +114,39 @@ TEST_CASE("a mass of its own scales the inertia of the shape") {
   });
 }
 
+TEST_CASE("an inertia or a centre of its own moves no point of a body") {
+  on_floor({0, 0, 0}, [](toy_world& w, material_id) {
+    // Its frame is neither at the origin of its coordinates nor along their axes.
+    const ball u({{.shape = sphere{0.5}, .at = {{1, 2, 3}}},
+                  {.shape = sphere{0.4}, .at = {{1.7, 2.2, 3.3}}},
+                  {.shape = sphere{0.3}, .at = {{1, 1.4, 3.2}}}});
+    const vec3 at(3, 4, 9);
+    const quat turn = rotation({1, 2, 3}, 0.8);
+    const auto usual = w.add(body{.shape = u, .position = at, .orientation = turn});
+    const pose expected = given_frame(w[usual].shape(), w[usual].pose());
+    CHECK(w[usual].position() == at);
+    const auto check = [&](const body<ball>& b, const vec3& centre) {
+      const auto h = w.add(b);
+      const pose now = given_frame(w[h].shape(), w[h].pose());
+      CHECK((now.position - expected.position).norm() < 1e-13);
+      CHECK(std::abs(now.orientation.dot(expected.orientation)) ==
+            doctest::Approx(1).epsilon(1e-14));
+      CHECK((w[h].position() - expected.to_world(centre)).norm() < 1e-13);
+    };
+    const vec3 own = u.frame().position, moved = own + vec3(0.1, -0.2, 0.05);
+    check({.shape = u, .position = at, .orientation = turn, .mass = 2}, own);
+    check({.shape = u, .position = at, .orientation = turn, .inertia = {1, 1.5, 2}}, own);
+    check({.shape = u, .position = at, .orientation = turn, .centre = moved}, moved);
+    check({.shape = u,
+           .position = at,
+           .orientation = turn,
+           .mass = 2,
+           .inertia = mat3(1, 0.1, 0, 0.1, 1.5, 0.2, 0, 0.2, 2),
+           .centre = moved},
+          moved);
+  });
+}
+
 TEST_CASE(
     "a hollow ball rolls down a slope at three fifths of g sin, a full one at five sevenths") {
   const real slope = 0.3, m = 0.7, r = 0.5;

@@ -32,7 +32,7 @@ template <class Store>
 }
 
 /// A description that was checked, with centre and inertia in its shape, and the pose of the frame
-/// of the body.
+/// of the body. The shape stays where it is.
 template <class Shape>
 [[nodiscard]] decltype(auto) with_own_inertia(const body<Shape>& b,
                                               const material_table& materials) {
@@ -42,7 +42,8 @@ template <class Shape>
       const vec3 centre = b.centre ? b.centre.value() : b.shape.frame().position;
       const mat3 per_mass = b.inertia.value() / mass_of(b, materials);
       own.shape = b.inertia ? b.shape.with_inertia(centre, per_mass) : b.shape.with_centre(centre);
-      const pose at = placed(own.shape, {b.position, b.orientation.normalized()});
+      const pose coordinates = given_frame(b.shape, {b.position, b.orientation.normalized()});
+      const pose at = placed(own.shape, coordinates);
       own.position = at.position, own.orientation = at.orientation;
       own.inertia = {}, own.centre = {};
     }
