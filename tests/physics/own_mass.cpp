@@ -17,6 +17,7 @@
 #include <talus/parallel/threads.hpp>
 #include <talus/scene/lattice.hpp>
 #include <talus/scene/region.hpp>
+#include <talus/shape/triangle_mesh.hpp>
 #include <talus/shape/union_of.hpp>
 #include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
@@ -375,9 +376,33 @@ TEST_CASE("impossible masses are refused with their numbers") {
     const sphere s{0.5};
     const vec3 at(1, 2, 3);
     says(body{.shape = s, .position = at, .mass = 0},
-         {"the mass of a sphere at (1, 2, 3) must be a number above 0, but is 0: leave .mass out "
+         {"the mass of a sphere at (1, 2, 3) must be a finite number above 0, but is 0: leave "
+          ".mass out "
           "for "
           "density times volume"});
+    says(body{.shape = s, .position = at, .mass = 1e-320},
+         {"the mass of a sphere at (1, 2, 3) is", "beyond what numbers can hold"});
+    says(body{.shape = s, .position = at, .mass = 3e-308},
+         {"a moment of inertia of a sphere", "beyond what numbers can hold"});
+    // A shape that nothing can move gets no advice about unions.
+    const auto says_of_mesh = [&](const body<triangle_mesh>& b, const char* words) {
+      const std::string message = refusal([&] { detail::require_sane(b, w.materials()); });
+      INFO(message);
+      CHECK(message == words);
+    };
+    const triangle_mesh sheet(
+        std::vector<triangle_mesh::triangle>{{vec3(0, 0, 0), vec3(1, 0, 0), vec3(0, 1, 0)}});
+    says_of_mesh({.shape = sheet, .position = at, .fixed = true, .mass = 1},
+                 "a triangle_mesh at (1, 2, 3) is given a .mass of its own, but nothing can move a "
+                 "triangle_mesh: leave it out");
+    says_of_mesh({.shape = sheet, .position = at, .fixed = true, .centre = {0, 0, 0}},
+                 "a triangle_mesh at (1, 2, 3) is given a .centre of its own, but nothing can move "
+                 "a triangle_mesh: leave it out");
+    w.global([&](auto& scope) {
+      CHECK(refusal([&] {
+              scope.add(body{.shape = plane{}, .density = 2});
+            }).find("nothing can move a plane") != std::string::npos);
+    });
     says(body{.shape = s, .position = at, .mass = nan}, {"the mass of a sphere", "nan"});
     says(body{.shape = s, .position = at, .mass = -1}, {"is -1", "leave .mass out"});
     says(body{.shape = s, .position = at, .density = 0}, {"the density of a sphere", "is 0"});

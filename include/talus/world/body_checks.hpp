@@ -16,14 +16,15 @@ struct own_mass {
   given_number density, mass;
   given_inertia inertia;
   given_point centre;
-  bool global, takes_inertia;
+  bool global, immovable, takes_inertia;
   vec3 middle{0, 0,
               0};   ///< of the ball around a shape with a centre of its own, in its coordinates
   real radius = 0;  ///< of that ball
 };
 template <class Shape>
 [[nodiscard]] own_mass own_mass_of(const body<Shape>& b, bool global) {
-  own_mass own{b.density, b.mass, b.inertia, b.centre, global, takes_inertia<Shape>};
+  constexpr bool immovable = !Shape::finite || requires { Shape::immovable; };
+  own_mass own{b.density, b.mass, b.inertia, b.centre, global, immovable, takes_inertia<Shape>};
   if constexpr (takes_inertia<Shape>)
     own.middle = b.shape.frame().position, own.radius = b.shape.bounding_radius();
   return own;
