@@ -162,6 +162,29 @@ TEST_CASE("overlapping spheres weigh what lines and planes through them say, in 
   }
 }
 
+TEST_CASE("many spheres that all overlap need slabs in proportion to their number") {
+  generator random{std::mt19937_64(11)};
+  using ball = detail::part_ball<real>;
+  for (const std::size_t n : {25u, 100u}) {
+    CAPTURE(n);
+    const ball one{{0, 0, 0}, 1};
+    std::vector<ball> others;
+    for (std::size_t k = 1; k < n; ++k)
+      others.push_back({random.point({0.4, 0.4, 0.4}) + vec3(0.3, 0.2, 0.1), random(0.7, 0.9)});
+    detail::shared_by_many<real> given(one, others);
+    const auto shared = given.moments();
+    CHECK(given.slabs() > 2);
+    CHECK(given.slabs() <= 6 * n);
+    CHECK(shared.mass < 4 * pi / 3);
+    // In another order, and turned, the same.
+    std::reverse(others.begin(), others.end());
+    for (ball& b : others) b.centre = {b.centre[1], b.centre[2], b.centre[0]};
+    const auto again = detail::shared_by_many<real>(one, others).moments();
+    CHECK(again.mass == doctest::Approx(shared.mass).epsilon(1e-9));
+    CHECK((again.first - vec3(shared.first[1], shared.first[2], shared.first[0])).norm() < 1e-9);
+  }
+}
+
 TEST_CASE("parts of other shapes that overlap weigh their true volume to 1e-6") {
   using some = union_of<sphere, box, capsule, cylinder>;
   const auto same = [](const some& u, const some& v) { check_same_moments(u, v, 1e-6); };
