@@ -294,6 +294,21 @@ TEST_CASE("a symmetric clump keeps its axes, and equal unions are computed once"
     return first;
   };
   CHECK(parts_of(tetrahedron()) == parts_of(u));
+  // The last ones are kept although no body has them.
+  int made = 0;
+  struct numbered {
+    int number;
+  };
+  const auto get = [&](std::uint64_t name) {
+    return detail::made_once<numbered>(
+               {name, 0}, [&] { return std::make_shared<const numbered>(numbered{++made}); })
+        ->number;
+  };
+  constexpr std::uint64_t held = detail::made_data<numbered>::held;
+  for (int round = 0; round < 3; ++round)
+    for (std::uint64_t name = 0; name < held; ++name) CHECK(get(name) == int(name) + 1);
+  CHECK(get(held) == int(held) + 1);
+  CHECK(get(0) == int(held) + 2);
 }
 
 TEST_CASE("mass, centre, inertia and bounds of a union agree with sampling its parts") {
