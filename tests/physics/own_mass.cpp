@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <functional>
 #include <mutex>
+#include <set>
 #include <string>
 #include <talus/checkpoint.hpp>
 #include <talus/constraint/ball_joint.hpp>
@@ -145,6 +146,37 @@ TEST_CASE("an inertia or a centre of its own moves no point of a body") {
            .inertia = mat3(1, 0.1, 0, 0.1, 1.5, 0.2, 0, 0.2, 2),
            .centre = moved},
           moved);
+  });
+}
+
+TEST_CASE("bodies of one form with different masses share one union") {
+  on_floor({0, 0, 0}, [](toy_world& w, material_id) {
+    w.seed(3);
+    const real r = 0.4;
+    std::set<const sphere*> forms;
+    w.fill(
+        simple_cubic{.spacing = 1, .origin = {0.5, 0.5, 0.5}} & box_region{{0, 0, 0}, {10, 10, 3}},
+        [&](const site& place, random_stream& random) {
+          const real m = random.uniform(0.1, 9);
+          return body{.shape = ball{sphere{r}},
+                      .position = place.position,
+                      .mass = m,
+                      .inertia = mat3(0.4, 0.1, 0, 0.1, 0.5, 0.03, 0, 0.03, 0.3) * (m * r * r)};
+        });
+    std::size_t bodies = 0;
+    w.for_each_local([&](auto& b) {
+      if constexpr (requires { b.shape().parts(); }) {
+        ++bodies;
+        b.shape().each_part([&](const auto& s, const pose&) {
+          if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, sphere>) forms.insert(&s);
+        });
+        CHECK(detail::trace(detail::diagonal_matrix(b.inertia())) ==
+              doctest::Approx(1.2 * b.mass() * r * r).epsilon(1e-13));
+      }
+    });
+    CHECK(bodies == 300);
+    // More than one where a number is close to the middle between two roundings.
+    CHECK(forms.size() <= 8);
   });
 }
 
