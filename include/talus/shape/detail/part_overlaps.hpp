@@ -9,6 +9,7 @@
 
 #include "talus/core/math.hpp"
 #include "talus/shape/chord.hpp"
+#include "talus/shape/detail/support_lines.hpp"
 #include "talus/shape/principal_axes.hpp"
 
 namespace talus::detail {
@@ -63,34 +64,6 @@ template <class F>
 struct part_bounds {
   vec3 lower, upper;
 };
-
-/// The values of y that a convex shape has in the plane z, or a little more. The upper end is the
-/// least of h(0, 1, c) - c z over all c, for the support function h, and convex in c.
-template <class Support>
-[[nodiscard]] chord range_in_plane(real z, Support&& h) {
-  const auto top = [&](real sign) {
-    // c = t / (1 - t^2), so that c has all values for t between -1 and 1.
-    const auto value = [&](real t) {
-      const real w = 1 - t * t;
-      return (h(vec3(0, sign * w, t)) - t * z) / w;
-    };
-    constexpr real golden = 0.6180339887498949;
-    real from = -1, to = 1;
-    real a = to - golden * (to - from), b = from + golden * (to - from);
-    real at_a = value(a), at_b = value(b);
-    for (int k = 0; k < 36; ++k) {
-      if (at_a < at_b) {
-        to = b, b = a, at_b = at_a;
-        a = to - golden * (to - from), at_a = value(a);
-      } else {
-        from = a, a = b, at_a = at_b;
-        b = from + golden * (to - from), at_b = value(b);
-      }
-    }
-    return std::min(at_a, at_b);
-  };
-  return {-top(-1), top(1)};
-}
 
 /// What a part shares with others, about the origin of the frame `at` of the part: half extents of
 /// the part in its frame, the bounds of the others, and functions that give the chord along the x
