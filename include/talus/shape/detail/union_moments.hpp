@@ -10,6 +10,7 @@
 #include "talus/core/math.hpp"
 #include "talus/shape/detail/ball_overlaps.hpp"
 #include "talus/shape/detail/part_overlaps.hpp"
+#include "talus/shape/detail/solid_overlaps.hpp"
 #include "talus/shape/detail/union_parts.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/shape/principal_axes.hpp"
@@ -45,11 +46,12 @@ class shared_moments {
   /// The parts, sorted, at their places.
   explicit shared_moments(const parts_type& parts) : parts_(parts) {
     const std::size_t n = parts.entries.size();
-    density_.resize(n), order_.resize(n), is_ball_.resize(n);
+    density_.resize(n), order_.resize(n), is_ball_.resize(n), is_flat_.resize(n);
     for (std::size_t i = 0; i < n; ++i)
       parts.visit(i, [&]<class Shape>(const Shape&, const pose&, real density) {
         density_[i] = density;
         is_ball_[i] = std::is_same_v<Shape, sphere>;
+        is_flat_[i] = is_flat_solid<Shape>;
       });
     std::vector<std::uint32_t> by_density(n);
     std::iota(by_density.begin(), by_density.end(), 0u);
@@ -77,6 +79,9 @@ class shared_moments {
   }
 
  private:
+  /// Solids around a part, which may have 2^10 intersections.
+  static constexpr std::size_t most_clipped = 10;
+
   [[nodiscard]] part_ball<Real> ball_of(std::size_t i) const {
     return {parts_.entries[i].centre, parts_.entries[i].reach};
   }
@@ -118,11 +123,33 @@ class shared_moments {
       for (const std::size_t j : earlier_) others.push_back(ball_of(j));
       return shared_by_many<Real>(ball_of(i), others).moments();
     }
+    bool flat = is_flat_[i] && earlier_.size() <= most_clipped;
+    for (const std::size_t j : earlier_) flat = flat && is_flat_[j];
     mass_moments<Real> sum;
+    if constexpr ((... || is_flat_solid<Shapes>))
+      if (flat) {
+        parts_.visit(i, [&]<class A>(const A& a, const pose& at, real) {
+          if constexpr (is_flat_solid<A>) sum = turned(by_clipping(a, at), at);
+        });
+        return sum;
+      }
     if constexpr (!only_spheres)
       parts_.visit(i, [&]<class A>(const A& a, const pose& at, real) {
         if constexpr (has_lines<A>) sum = turned(by_lines(a, at), at);
       });
+    return sum;
+  }
+  /// In the frame of the part.
+  template <class A>
+  [[nodiscard]] mass_moments<Real> by_clipping(const A& a, const pose& at) {
+    std::vector<std::vector<half_space>> others;
+    const pose back = inverse(at);
+    for (const std::size_t j : earlier_)
+      parts_.visit(j, [&]<class B>(const B& b, const pose& of_b, real) {
+        if constexpr (is_flat_solid<B>) others.push_back(half_spaces_of(b, combined(back, of_b)));
+      });
+    mass_moments<Real> sum;
+    add_shared_by_solids<Real>(solid_of(a), others, 0, Real(1), 1e-13 * a.bounding_radius(), sum);
     return sum;
   }
   /// In the frame of the part.
@@ -175,7 +202,7 @@ class shared_moments {
   const parts_type& parts_;
   std::vector<real> density_;
   std::vector<std::uint32_t> order_;  ///< of each part, by density
-  std::vector<bool> is_ball_;
+  std::vector<bool> is_ball_, is_flat_;
   std::vector<std::size_t> earlier_;
 };
 
