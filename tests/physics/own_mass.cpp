@@ -366,7 +366,11 @@ TEST_CASE("the centre of mass owns the body, and ranks and restarts do not chang
         w.for_each_local([&](auto& b) {
           if (value_of(b.id()) % 5 != 0) return;
           if (w.steps() == 20) b.fix();
-          if (w.steps() == 110) CHECK(b.is_fixed()), CHECK(b.mass() >= 0.5), b.release();
+          if (w.steps() == 110) {
+            CHECK(b.is_fixed());
+            CHECK(b.mass() >= 0.5);
+            b.release();
+          }
         });
         if (w.steps() == write_after) write_checkpoint(w, file);
       }

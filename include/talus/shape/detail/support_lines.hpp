@@ -19,7 +19,7 @@ template <class F>
   real from = -1, to = 1;
   real a = to - golden * (to - from), b = from + golden * (to - from);
   real at_a = value(a), at_b = value(b);
-  for (int k = 0; k < 36; ++k) {
+  for (int k = 0; k < 44; ++k) {
     if (at_a < at_b) {
       to = b, b = a, at_b = at_a;
       a = to - golden * (to - from), at_a = value(a);
