@@ -20,20 +20,6 @@ using any_union = union_of<sphere, box, capsule, cylinder, convex_polyhedron>;
 static_assert(concepts::finite_shape<any_union>);
 static_assert(!any_union::isotropic);
 
-/// A convex shape of a user, without chords.
-struct own_ball {
-  real radius = 1;
-  static constexpr bool finite = true;
-  static constexpr bool isotropic = true;
-  static constexpr const char* name = "own_ball";
-  void validate() const {}
-  [[nodiscard]] real bounding_radius() const { return radius; }
-  [[nodiscard]] real volume() const { return sphere{radius}.volume(); }
-  [[nodiscard]] vec3 inertia() const { return sphere{radius}.inertia(); }
-  [[nodiscard]] vec3 support(const vec3& d) const { return radius * unit(d); }
-  [[nodiscard]] vec3 half_extents(const pose&) const { return {radius, radius, radius}; }
-};
-
 /// A box that is clipped by lines, since it is not known to have flat faces.
 struct rough_box {
   box of;
@@ -334,22 +320,6 @@ TEST_CASE("boxes and polyhedra that overlap weigh their true volume to round-off
     check_same_moments(u, blocks(std::vector<blocks::part>(parts.rbegin(), parts.rend())), 1e-12);
     if (trial < 3) check_same_moments(u, union_of<rough_box>(rough), 1e-6);
   }
-}
-
-TEST_CASE("parts without chords weigh their true volume by their support function") {
-  const box b{{1, 2, 3}};
-  for (const vec3& p : {vec3(0.1, 0.2, 0.3), vec3(0.4, -0.9, 1.2), vec3(2, 0, 0)})
-    for (const vec3& d : {vec3(1, 0, 0), vec3(0.3, -2, 1), vec3(0.1, 0.1, 3)}) {
-      const chord expected = b.chord(p, d), found = detail::chord_by_support(b, p, d);
-      CHECK(found.empty() == expected.empty());
-      if (expected.empty()) continue;
-      CHECK(found.from == doctest::Approx(expected.from).epsilon(1e-6));
-      CHECK(found.to == doctest::Approx(expected.to).epsilon(1e-6));
-    }
-  using some = union_of<box, own_ball, sphere>;
-  const pose tilted{{0.4, 0.3, 0.6}, rotation({1, 2, 3}, 0.7)};
-  check_same_moments(some({{.shape = box{{1, 1, 1}}}, {.shape = own_ball{0.6}, .at = tilted}}),
-                     some({{.shape = box{{1, 1, 1}}}, {.shape = sphere{0.6}, .at = tilted}}), 1e-6);
 }
 
 TEST_CASE("a symmetric clump keeps its axes, and equal unions are computed once") {

@@ -36,10 +36,9 @@ template <class Real, class... Shapes>
 class shared_moments {
   using parts_type = union_parts<Shapes...>;
   static constexpr bool only_spheres = (... && std::is_same_v<Shapes, sphere>);
-  /// Whether it is convex: a surface that nothing can move is not.
   template <class Shape>
-  static constexpr bool has_lines = !requires {
-    Shape::immovable;
+  static constexpr bool has_chord = requires(const Shape& s, const vec3& p) {
+    { s.chord(p, p) } -> std::same_as<chord>;
   };
 
  public:
@@ -100,7 +99,7 @@ class shared_moments {
     if constexpr (!only_spheres)
       parts_.visit(i, [&]<class A>(const A& a, const pose& of_a, real) {
         parts_.visit(j, [&]<class B>(const B& b, const pose& of_b, real) {
-          meet = has_lines<A> && has_lines<B> && boxes_meet(a, of_a, b, of_b) &&
+          meet = has_chord<A> && has_chord<B> && boxes_meet(a, of_a, b, of_b) &&
                  boxes_meet(b, of_b, a, of_a);
         });
       });
@@ -135,7 +134,7 @@ class shared_moments {
       }
     if constexpr (!only_spheres)
       parts_.visit(i, [&]<class A>(const A& a, const pose& at, real) {
-        if constexpr (has_lines<A>) sum = turned(by_lines(a, at), at);
+        if constexpr (has_chord<A>) sum = turned(by_lines(a, at), at);
       });
     return sum;
   }
@@ -172,11 +171,11 @@ class shared_moments {
     return shared_by_parts(
         a.half_extents(pose{}), bounds,
         [&](std::size_t n, const vec3& p) {
-          if (n == 0) return chord_of(a, p, vec3(1, 0, 0));
+          if (n == 0) return a.chord(p, vec3(1, 0, 0));
           chord found = no_chord;
           parts_.visit(earlier_[n - 1], [&]<class B>(const B& b, const pose&, real) {
-            if constexpr (has_lines<B>)
-              found = chord_of(b, places[n - 1].to_body(p), directions[n - 1]);
+            if constexpr (has_chord<B>)
+              found = b.chord(places[n - 1].to_body(p), directions[n - 1]);
           });
           return found;
         },
