@@ -15,7 +15,7 @@
 namespace talus::detail {
 
 /// The points x with normal . x <= offset.
-struct half_space {
+struct face_plane {
   vec3 normal;
   real offset;
 };
@@ -61,10 +61,10 @@ template <class Shape>
   }
   return faces;
 }
-/// The half-spaces whose points in common are a box or a polyhedron at a pose.
+/// The planes of the faces of a box or a polyhedron at a pose.
 template <class Shape>
-[[nodiscard]] std::vector<half_space> half_spaces_of(const Shape& s, const pose& at) {
-  std::vector<half_space> all;
+[[nodiscard]] std::vector<face_plane> face_planes_of(const Shape& s, const pose& at) {
+  std::vector<face_plane> all;
   const auto add = [&](const vec3& normal, real offset) {
     const vec3 n = rotated(at.orientation, normal);
     all.push_back({n, offset + n.dot(at.position)});
@@ -79,8 +79,8 @@ template <class Shape>
   return all;
 }
 
-/// The part of a convex solid in a half-space; points within `slack` of its plane are in it.
-[[nodiscard]] inline solid clipped(const solid& given, const half_space& by, real slack) {
+/// The part of a convex solid behind a face; points within `slack` of its plane are in it.
+[[nodiscard]] inline solid clipped(const solid& given, const face_plane& by, real slack) {
   const auto height = [&](const vec3& p) { return by.normal.dot(p) - by.offset; };
   bool cuts = false;
   for (const solid_face& face : given)
@@ -143,11 +143,11 @@ template <class Real>
 
 /// Adds, with a sign, what a solid shares with any of the others from number `first` on.
 template <class Real>
-void add_shared_by_solids(const solid& one, const std::vector<std::vector<half_space>>& others,
+void add_shared_by_solids(const solid& one, const std::vector<std::vector<face_plane>>& others,
                           std::size_t first, Real sign, real slack, mass_moments<Real>& sum) {
   for (std::size_t n = first; n < others.size(); ++n) {
     solid both = one;
-    for (const half_space& h : others[n]) {
+    for (const face_plane& h : others[n]) {
       both = clipped(both, h, slack);
       if (both.size() < 4) break;
     }

@@ -141,11 +141,11 @@ class shared_moments {
   /// In the frame of the part.
   template <class A>
   [[nodiscard]] mass_moments<Real> by_clipping(const A& a, const pose& at) {
-    std::vector<std::vector<half_space>> others;
+    std::vector<std::vector<face_plane>> others;
     const pose back = inverse(at);
     for (const std::size_t j : earlier_)
       parts_.visit(j, [&]<class B>(const B& b, const pose& of_b, real) {
-        if constexpr (is_flat_solid<B>) others.push_back(half_spaces_of(b, combined(back, of_b)));
+        if constexpr (is_flat_solid<B>) others.push_back(face_planes_of(b, combined(back, of_b)));
       });
     mass_moments<Real> sum;
     add_shared_by_solids<Real>(solid_of(a), others, 0, Real(1), 1e-13 * a.bounding_radius(), sum);
