@@ -16,7 +16,8 @@ enum body_flag : std::uint8_t {
   flag_invisible = 2,
   flag_asleep = 4,     ///< its island is left out of the steps
   flag_disturbed = 8,  ///< of something immovable: the user added or changed it since the last step
-  flag_released = 16   ///< it was fixed; until all ranks that hold copies are notified
+  flag_released = 16,  ///< it was fixed; until all ranks that hold copies are notified
+  flag_own_mass = 32   ///< it is fixed, and its store keeps the mass that it has when released
 };
 
 /// How far a body has moved by its velocity while it was slow, in a third of the time after which

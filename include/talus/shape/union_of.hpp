@@ -52,12 +52,12 @@ inline constexpr bool is_part_of_union = [] {
 /// stick}}}`. Its mass is the sum of those of its parts, each density (relative to that of the
 /// material) times volume; volume that parts share counts once, with the largest of their
 /// densities, unless `.overlaps = overlap_rule::counted` says otherwise. Where no more than two
-/// spheres overlap, mass, centre and inertia are closed forms; where more do, they are exact to
-/// 1e-8, and between other shapes to 1e-6. Parts without `chord(p, d)` count in full. Equal unions
-/// share what was computed for the first. The frame of the body lies at the
-/// centre of mass along the principal axes: `frame()` gives it in the coordinates of the parts, and
-/// `placed(shape, pose)` of shape/frame.hpp gives the pose of a body whose parts lie at the given
-/// coordinates.
+/// spheres overlap, or boxes and polyhedra alone, mass, centre and inertia are closed forms; where
+/// more spheres do, they are exact to 1e-8, and between other shapes to 1e-6. Parts without
+/// `chord(p, d)` count in full. Equal unions share what was computed for the first.
+/// The frame of the body lies at the centre of mass along the principal axes: `frame()` gives it in
+/// the coordinates of the parts, and `placed(shape, pose)` of shape/frame.hpp gives the pose of a
+/// body whose parts lie at the given coordinates.
 template <class... Shapes>
 class union_of {
   static_assert(sizeof...(Shapes) > 0,
@@ -122,7 +122,7 @@ class union_of {
   [[nodiscard]] real bounding_radius() const { return data_->bounding_radius; }
   /// The least distance from the centre of mass to the bounds along the axes of the body; a
   /// twentieth of the bounding radius if the centre is outside of them.
-  [[nodiscard]] real inner_radius() const { return data_->inner_radius; }
+  [[nodiscard]] real least_extent() const { return data_->least_extent; }
   /// Integral of the relative density, from which the mass follows.
   [[nodiscard]] real volume() const { return data_->volume; }
   /// Principal moments per unit mass.

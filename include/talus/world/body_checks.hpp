@@ -17,8 +17,19 @@ struct own_mass {
   given_number density, mass;
   given_inertia inertia;
   given_point centre;
-  bool fixed, takes_inertia;
+  bool global, immovable, takes_inertia;
+  vec3 middle{0, 0,
+              0};   ///< of the ball around a shape with a centre of its own, in its coordinates
+  real radius = 0;  ///< of that ball
 };
+template <class Shape>
+[[nodiscard]] own_mass own_mass_of(const body<Shape>& b, bool global) {
+  constexpr bool immovable = !Shape::finite || requires { Shape::immovable; };
+  own_mass own{b.density, b.mass, b.inertia, b.centre, global, immovable, takes_inertia<Shape>};
+  if constexpr (takes_inertia<Shape>)
+    own.middle = b.shape.frame().position, own.radius = b.shape.bounding_radius();
+  return own;
+}
 /// Throws invalid_argument, with the values, for what no body can have, and for what bodies of the
 /// shape cannot have.
 [[gnu::cold]] void require_own_mass(const own_mass& own, const char* shape, const vec3& position);
@@ -43,9 +54,7 @@ void require_sane(const body<Shape>& b, const material_table& materials, bool gl
     fail<std::invalid_argument>(
         "the world has no material yet: make one with world.material(...) before adding bodies");
   if (b.density || b.mass || b.inertia || b.centre)
-    require_own_mass(
-        {b.density, b.mass, b.inertia, b.centre, b.fixed || global, takes_inertia<Shape>},
-        Shape::name, b.position);
+    require_own_mass(own_mass_of(b, global), Shape::name, b.position);
   if constexpr (Shape::finite) {
     const real mass = mass_of(b, materials);
     const vec3 moments = mass * b.shape.inertia();

@@ -59,24 +59,39 @@ TALUS_INLINE void require_inertia(const mat3& tensor, const char* shape, const v
 }
 
 TALUS_INLINE void require_own_mass(const own_mass& own, const char* shape, const vec3& position) {
-  const auto require_number = [&](const given_number& number, const char* what) {
+  const auto require_number = [&](const given_number& number, const char* what,
+                                  const char* otherwise) {
+    if (!number) return;
     const real value = number.value();
-    if (number && (!(value > 0) || !std::isnormal(value) || !std::isnormal(1 / value)))
+    if (!(value > 0) || !std::isfinite(value))
       fail<std::invalid_argument>(
-          "the {} of a {} at {} must be a number above 0, but is {}: leave .{} out for {}", what,
-          shape, position, value, what,
-          std::string(what) == "mass" ? "density times volume" : "that of the material");
+          "the {} of a {} at {} must be a finite number above 0, but is {}: leave .{} out for {}",
+          what, shape, position, value, what, otherwise);
+    if (!std::isnormal(value) || !std::isnormal(1 / value))
+      fail<std::invalid_argument>(
+          "the {} of a {} at {} is {}, beyond what numbers can hold: choose units in which it is "
+          "nearer to 1",
+          what, shape, position, value);
   };
-  require_number(own.mass, "mass");
-  require_number(own.density, "density");
+  if (own.immovable && (own.mass || own.density || own.inertia || own.centre))
+    fail<std::invalid_argument>(
+        "a {} at {} is given {} of its own, but nothing can move a {}: leave it out", shape,
+        position,
+        own.mass      ? "a .mass"
+        : own.density ? "a .density"
+        : own.inertia ? "an .inertia"
+                      : "a .centre",
+        shape);
+  require_number(own.mass, "mass", "density times volume");
+  require_number(own.density, "density", "that of the material");
   if (own.mass && own.density)
     fail<std::invalid_argument>(
         "a {} at {} is given the mass {} and the density {}: leave one of the two out", shape,
         position, own.mass.value(), own.density.value());
-  if (own.fixed && (own.mass || own.density))
+  if (own.global && (own.mass || own.density))
     fail<std::invalid_argument>(
-        "a {} at {} is fixed, or global, and is given the {} {}: leave it out, since nothing can "
-        "move the body",
+        "a {} at {} is global and is given the {} {}: leave it out, since nothing can ever move "
+        "the body",
         shape, position, own.mass ? "mass" : "density",
         own.mass ? own.mass.value() : own.density.value());
   if (!own.takes_inertia && (own.inertia || own.centre))
@@ -87,6 +102,15 @@ TALUS_INLINE void require_own_mass(const own_mass& own, const char* shape, const
   if (own.centre && !finite(own.centre.value()))
     fail<std::invalid_argument>("the centre of mass of a {} at {} must be finite, but is {}", shape,
                                 position, own.centre.value());
+  if (own.centre) {
+    const real distance = (own.centre.value() - own.middle).norm();
+    if (!(distance <= own.radius))
+      fail<std::invalid_argument>(
+          "the centre of mass {} of a {} at {} is {} radii from the middle of the shape, where the "
+          "body has no mass: give .centre in the coordinates of the shape, not in those of the "
+          "world",
+          own.centre.value(), shape, position, distance / own.radius);
+  }
   if (own.inertia) require_inertia(own.inertia.value(), shape, position);
 }
 

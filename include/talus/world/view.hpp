@@ -60,7 +60,7 @@ class body_view {
   [[nodiscard]] talus::pose pose() const { return store_->pose(i_); }
   /// Its material: see world.materials().
   [[nodiscard]] material_id material() const { return store_->material[i_]; }
-  /// Mass; of a fixed body by density and volume.
+  /// Mass, also of a fixed body.
   [[nodiscard]] real mass() const requires(Shape::finite) {
     return detail::mass_of(*store_, i_, s_->materials);
   }
@@ -131,16 +131,12 @@ class body_view {
       store_->shape[i_].rotate(turn, position());
     s_->template of<Shape>().globals_changed |= global_;
   }
-  /// Makes the body immovable. A body with a mass or a density of its own would lose it:
-  /// logic_error.
+  /// Makes the body immovable. It keeps its mass for the time when it is released.
   void fix() {
     prepare_change("fixation", vec3(0, 0, 0));
     if constexpr (Shape::finite)
       if (!is_fixed() && mass() != s_->materials[material()].density * shape().volume())
-        detail::fail<std::logic_error>(
-            "body {} has the mass {} of its own, which a fixed body does not keep: give it a "
-            "material with its density instead of .mass or .density",
-            id(), mass());
+        store_->keep_mass(i_, store_->inverse_mass[i_]);
     if constexpr (state_type::follows_contacts)
       if (!is_fixed()) detail::note_parted(*s_, id(), false);
     store_->flags[i_] |= detail::flag_fixed;
@@ -165,8 +161,9 @@ class body_view {
     if constexpr (Scenario::contact_law::soft)
       detail::require_yielding<typename Scenario::contact_law::law, Shape>(
           s_->materials[material()]);
+    store_->inverse_mass[i_] = store_->keeps_mass(i_) ? store_->kept.inverse_of(id()) : 1 / mass();
+    store_->forget_mass(i_);
     store_->flags[i_] &= static_cast<std::uint8_t>(~detail::flag_fixed);
-    store_->inverse_mass[i_] = 1 / mass();
     s_->note_filtered_change();
     if constexpr (!state_type::link_type::alone)
       detail::note_release(*s_, *store_, i_);

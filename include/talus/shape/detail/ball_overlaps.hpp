@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "talus/core/math.hpp"
+#include "talus/shape/detail/plane_moments.hpp"
 #include "talus/shape/principal_axes.hpp"
 
 namespace talus::detail {
@@ -64,44 +65,6 @@ template <class Real>
   return sum;
 }
 
-/// Area and moments between circles in a plane.
-template <class Real>
-struct plane_moments {
-  Real one = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
-
-  /// Adds the boundary integrals, by Green, of an arc about (a, b) from one angle to another.
-  void add_arc(Real a, Real b, Real r, Real from, Real to) {
-    const auto at = [](Real t) {
-      const auto [s, c] = portable::sincos(t);
-      const Real s2 = 2 * s * c, s4 = 2 * s2 * (c * c - s * s);
-      return std::array<Real, 9>{s,
-                                 t / 2 + s2 / 4,
-                                 s - s * s * s / 3,
-                                 3 * t / 8 + s2 / 4 + s4 / 32,
-                                 s * s / 2,
-                                 -c * c * c / 3,
-                                 -c * c * c * c / 4,
-                                 s * s * s / 3,
-                                 t / 8 - s4 / 32};
-    };
-    std::array<Real, 9> f = at(to);
-    const std::array<Real, 9> low = at(from);
-    for (std::size_t k = 0; k < f.size(); ++k) f[k] = r * (f[k] - low[k]);
-    // Integrals of c, c², c³, c⁴, cs, c²s, c³s, cs², c²s² over the arc, times r.
-    const auto [c1, c2, c3, c4, cs, c2s, c3s, cs2, c2s2] = f;
-    const Real r2 = r * r, r3 = r2 * r;
-    one += a * c1 + r * c2;
-    x += (a * a * c1 + 2 * a * r * c2 + r2 * c3) / 2;
-    y += a * b * c1 + a * r * cs + b * r * c2 + r2 * c2s;
-    xx += (a * a * a * c1 + 3 * a * a * r * c2 + 3 * a * r2 * c3 + r3 * c4) / 3;
-    xy += (a * a * b * c1 + a * a * r * cs + 2 * a * b * r * c2 + 2 * a * r2 * c2s + b * r2 * c3 +
-           r3 * c3s) /
-          2;
-    yy += a * b * b * c1 + 2 * a * b * r * cs + a * r2 * cs2 + b * b * r * c2 + 2 * b * r2 * c2s +
-          r3 * c2s2;
-  }
-};
-
 /// What a ball shares with the union of others that meet it. Moments about the origin.
 template <class Real>
 class shared_by_many {
@@ -117,6 +80,8 @@ class shared_by_many {
       others_.push_back(o);
     }
   }
+  /// Number of slabs that moments() has integrated.
+  [[nodiscard]] std::size_t slabs() const { return slabs_.empty() ? 0 : slabs_.size() - 1; }
   [[nodiscard]] mass_moments<Real> moments() {
     bool apart = true;
     for (std::size_t i = 0; i < others_.size(); ++i)
@@ -140,57 +105,79 @@ class shared_by_many {
  private:
   struct circle {
     Real x, y, r;
+    std::size_t ball;  ///< in `all_`
   };
   struct span {
     Real from, to;
   };
 
-  /// Heights at which the circles change: of poles, of the ends of circles in which two balls meet,
-  /// and of points in which three do. Heights and places are those from the centre of the ball.
+  /// Heights at which the boundary of what is shared changes in the slices: of poles, of the ends
+  /// of circles in which two balls meet, and of points in which three do, as far as these lie in
+  /// the ball and in no other one. Heights and places are those from the centre of the ball.
   void find_slabs() {
-    std::vector<part_ball<Real>> all{{{0, 0, 0}, one_.radius}};
-    for (const part_ball<Real>& o : others_) all.push_back({o.centre - one_.centre, o.radius});
-    const Real r = one_.radius;
-    slabs_ = {-r, r};
-    const auto add = [&](Real z) {
-      if (z > -r && z < r) slabs_.push_back(z);
-    };
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const part_ball<Real>& a = all[i];
-      add(a.centre[2] - a.radius), add(a.centre[2] + a.radius);
-      for (std::size_t j = 0; j < i; ++j) {
-        const part_ball<Real>& b = all[j];
-        const vector3<Real> way = b.centre - a.centre;
-        const Real d = way.norm();
-        if (!(d > 0)) continue;
-        const Real from_a = (d * d + (a.radius - b.radius) * (a.radius + b.radius)) / (2 * d);
-        const Real square = (a.radius - from_a) * (a.radius + from_a);
-        if (!(square > 0)) continue;
-        const vector3<Real> axis = way / d, middle = a.centre + from_a * axis;
-        const Real ring = std::sqrt(square);
-        const Real rise = ring * std::sqrt(std::max(Real(0), 1 - axis[2] * axis[2]));
-        add(middle[2] - rise), add(middle[2] + rise);
-        for (std::size_t k = 0; k < j; ++k) {
-          // The circle meets the third ball where its plane cuts that of the circle.
-          const part_ball<Real>& c = all[k];
-          const vector3<Real> to = c.centre - middle;
-          const vector3<Real> flat = to - axis.dot(to) * axis;
-          const Real far = flat.norm();
-          if (!(far > Real(1e-14) * ring)) continue;
-          const Real along = (to.squaredNorm() + square - c.radius * c.radius) / (2 * far);
-          const Real left = (ring - along) * (ring + along);
-          if (!(left > 0)) continue;
-          const vector3<Real> e = flat / far;
-          const Real height = middle[2] + along * e[2], half = std::sqrt(left) * axis.cross(e)[2];
-          add(height - half), add(height + half);
-        }
-      }
+    all_.assign(1, {{0, 0, 0}, one_.radius});
+    for (const part_ball<Real>& o : others_) all_.push_back({o.centre - one_.centre, o.radius});
+    slabs_ = {-one_.radius, one_.radius};
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      const part_ball<Real>& a = all_[i];
+      for (const Real side : {Real(-1), Real(1)})
+        add_height(a.centre + vector3<Real>(0, 0, side * a.radius), i, i, i);
+      for (std::size_t j = 0; j < i; ++j) add_heights_of_two(i, j);
     }
     std::sort(slabs_.begin(), slabs_.end());
     std::size_t kept = 0;
     for (const Real z : slabs_)
-      if (kept == 0 || z - slabs_[kept - 1] > Real(1e-12) * r) slabs_[kept++] = z;
+      if (kept == 0 || z - slabs_[kept - 1] > Real(1e-12) * one_.radius) slabs_[kept++] = z;
     slabs_.resize(kept);
+  }
+  /// Of a point of the surfaces of balls i, j and k.
+  void add_height(const vector3<Real>& p, std::size_t i, std::size_t j, std::size_t k) {
+    const Real r = one_.radius;
+    if (!(std::abs(p[2]) < r && p.squaredNorm() <= r * r * (1 + doubt))) return;
+    for (std::size_t n = 1; n < all_.size(); ++n)
+      if (n != i && n != j && n != k &&
+          (p - all_[n].centre).squaredNorm() < all_[n].radius * all_[n].radius * (1 - doubt))
+        return;
+    slabs_.push_back(p[2]);
+  }
+  /// Of the circle in which the surfaces of two balls meet, and of its points in a third one.
+  void add_heights_of_two(std::size_t i, std::size_t j) {
+    const part_ball<Real>&a = all_[i], &b = all_[j];
+    const vector3<Real> way = b.centre - a.centre;
+    const Real d = way.norm();
+    if (!(d > 0)) return;
+    const Real from_a = (d * d + (a.radius - b.radius) * (a.radius + b.radius)) / (2 * d);
+    const Real square = (a.radius - from_a) * (a.radius + from_a);
+    if (!(square > 0)) return;
+    const vector3<Real> axis = way / d, middle = a.centre + from_a * axis;
+    const Real ring = std::sqrt(square);
+    for (std::size_t n = 1; n < all_.size(); ++n) {
+      if (n == i || n == j) continue;
+      const vector3<Real> to = all_[n].centre - middle;
+      const Real beside = axis.dot(to), away = vector3<Real>(to - beside * axis).norm() + ring;
+      if (away * away + beside * beside < all_[n].radius * all_[n].radius * (1 - doubt)) return;
+    }
+    const Real steep = std::sqrt(std::max(Real(0), 1 - axis[2] * axis[2]));
+    if (steep > Real(1e-12)) {
+      const vector3<Real> up = (vector3<Real>(0, 0, 1) - axis[2] * axis) * (ring / steep);
+      add_height(middle - up, i, j, j), add_height(middle + up, i, j, j);
+    } else if (std::abs(middle[2]) < one_.radius) {
+      slabs_.push_back(middle[2]);
+    }
+    for (std::size_t k = 0; k < j; ++k) {
+      // The circle meets the third ball where its plane cuts that of the circle.
+      const part_ball<Real>& c = all_[k];
+      const vector3<Real> to = c.centre - middle;
+      const vector3<Real> flat = to - axis.dot(to) * axis;
+      const Real far = flat.norm();
+      if (!(far > Real(1e-14) * ring)) continue;
+      const Real along = (to.squaredNorm() + square - c.radius * c.radius) / (2 * far);
+      const Real left = (ring - along) * (ring + along);
+      if (!(left > 0)) continue;
+      const vector3<Real> e = flat / far, foot = middle + along * e;
+      const vector3<Real> aside = axis.cross(e) * std::sqrt(left);
+      add_height(foot - aside, i, j, k), add_height(foot + aside, i, j, k);
+    }
   }
   void integrate(Real low, Real high, mass_moments<Real>& sum) {
     // Nodes and weights of 16 points on (-1, 1), by symmetry half of them.
@@ -203,28 +190,34 @@ class shared_by_many {
         Real(0.1495959888165767321), Real(0.1246289712555338720), Real(0.0951585116824927848),
         Real(0.0622535239386478929), Real(0.0271524594117540949)};
     const Real middle = (low + high) / 2, half = (high - low) / 2;
+    // A circle that is inside others in one slice of a slab is so in all.
+    hidden_.assign(all_.size(), false);
+    hidden_are_known_ = false;
     for (std::size_t k = 0; k < nodes.size(); ++k)
       for (const Real side : {Real(-1), Real(1)}) {
         // The heights lie close at the ends, where lengths grow as square roots.
         const auto [s, c] = portable::sincos(Real(pi) / 2 * side * nodes[k]);
         add_slice(middle + half * s, Real(pi) / 2 * half * c * weights[k], sum);
+        hidden_are_known_ = true;
       }
   }
   void add_slice(Real z, Real weight, mass_moments<Real>& sum) {
     circles_.clear();
-    const auto put = [&](const vector3<Real>& centre, Real radius) {
+    for (std::size_t n = 0; n < all_.size(); ++n) {
+      const auto& [centre, radius] = all_[n];
       const Real square = (radius - (z - centre[2])) * (radius + (z - centre[2]));
-      if (square > 0) circles_.push_back({centre[0], centre[1], std::sqrt(square)});
-      return square > 0;
-    };
-    if (!put({0, 0, 0}, one_.radius)) return;
-    for (const part_ball<Real>& o : others_) put(o.centre - one_.centre, o.radius);
+      if (square > 0)
+        circles_.push_back({centre[0], centre[1], std::sqrt(square), n});
+      else if (n == 0)
+        return;
+    }
     plane_moments<Real> m;
     // The boundary of the part of circle 0 inside others: its own arcs inside one of them, and
     // their arcs inside it and outside each other.
     for (std::size_t i = 0; i < circles_.size(); ++i) {
+      if (hidden_[circles_[i].ball]) continue;
       covered_.clear();
-      bool gone = false;
+      bool gone = false, seen = i == 0;
       for (std::size_t j = 0; j < circles_.size() && !gone; ++j)
         if (j != i) gone = cover(circles_[i], circles_[j], i > 0 && j == 0);
       const circle& c = circles_[i];
@@ -232,13 +225,14 @@ class shared_by_many {
                 [](const span& a, const span& b) { return a.from < b.from; });
       Real at = 0;
       const auto free = [&](Real from, Real to) {
-        if (i > 0 && to > from) m.add_arc(c.x, c.y, c.r, from, to);
+        if (i > 0 && to > from) m.add_arc(c.x, c.y, c.r, from, to), seen = true;
       };
       const auto shut = [&](Real from, Real to) {
         if (i == 0 && to > from) m.add_arc(c.x, c.y, c.r, from, to);
       };
       if (gone) {
         shut(0, 2 * Real(pi));
+        if (!hidden_are_known_) hidden_[c.ball] = !seen;
         continue;
       }
       for (const span& s : covered_) {
@@ -247,6 +241,7 @@ class shared_by_many {
         at = std::max(at, s.to);
       }
       free(at, 2 * Real(pi));
+      if (!hidden_are_known_) hidden_[c.ball] = !seen;
     }
     sum.mass += weight * m.one;
     sum.first += weight * vector3<Real>(m.x, m.y, z * m.one);
@@ -273,8 +268,14 @@ class shared_by_many {
     return false;
   }
 
+  /// Relative; a height too many does no harm.
+  static constexpr Real doubt = Real(1e-9);
+
   part_ball<Real> one_;
   std::vector<part_ball<Real>> others_;
+  std::vector<part_ball<Real>> all_;  ///< the ball, then the others, from its centre
+  std::vector<bool> hidden_;          ///< of all: no part of its circle is seen in this slab
+  bool hidden_are_known_ = false;
   std::vector<Real> slabs_;
   std::vector<circle> circles_;
   std::vector<span> covered_;

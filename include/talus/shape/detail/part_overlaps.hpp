@@ -9,6 +9,7 @@
 
 #include "talus/core/math.hpp"
 #include "talus/shape/chord.hpp"
+#include "talus/shape/detail/support_lines.hpp"
 #include "talus/shape/principal_axes.hpp"
 
 namespace talus::detail {
@@ -59,26 +60,32 @@ template <class F>
   return sum;
 }
 
+/// Where a part is in the frame in which lines are drawn.
+struct part_bounds {
+  vec3 lower, upper;
+};
+
 /// What a part shares with others, about the origin of the frame `at` of the part: half extents of
-/// the part in its frame, and a function that gives the chord of the part (number 0) and of the
-/// others, up to `count`, along the x axis of that frame. `lower` and `upper` bound the others in
-/// it.
-template <class Chords>
-[[nodiscard]] mass_moments<real> shared_by_parts(const vec3& half, vec3 lower, vec3 upper,
-                                                 std::size_t count, Chords&& chord_at) {
-  lower = lower.cwiseMax(vec3(-half)), upper = upper.cwiseMin(half);
+/// the part in its frame, the bounds of the others, and functions that give the chord along the x
+/// axis of that frame and the support function h of the part (number 0) and of the others.
+/// Integrals end where a part ends, in z and in y for each z: so no part is too small to be found.
+template <class Chords, class Supports>
+[[nodiscard]] mass_moments<real> shared_by_parts(const vec3& half,
+                                                 const std::vector<part_bounds>& others,
+                                                 Chords&& chord_at, Supports&& support_at) {
   mass_moments<real> sum;
-  for (int k = 0; k < 3; ++k)
-    if (!(upper[k] > lower[k])) return sum;
   const real size = std::max({half[0], half[1], half[2]});
-  std::vector<chord> inside;
+  std::vector<chord> inside, ranges;
+  std::vector<std::size_t> here;  // the parts in a plane
+  std::vector<real> ends, ends_in_plane;
   const auto along_line = [&](real y, real z) {
     ten_moments m{};
     const chord own = chord_at(0, vec3(0, y, z));
     if (own.empty()) return m;
     inside.clear();
-    for (std::size_t n = 1; n < count; ++n) {
-      const chord c = detail::shared(own, chord_at(n, vec3(0, y, z)));
+    for (std::size_t k = 0; k < here.size(); ++k) {
+      if (y < ranges[k].from || y > ranges[k].to) continue;
+      const chord c = detail::shared(own, chord_at(here[k] + 1, vec3(0, y, z)));
       if (!c.empty()) inside.push_back(c);
     }
     std::sort(inside.begin(), inside.end(),
@@ -97,23 +104,48 @@ template <class Chords>
     m[8] = w * m[1], m[9] = v * m[1];
     return m;
   };
-  // Panels find what is small in a large box.
-  constexpr int panels = 4, depth = 24;
+  constexpr int depth = 24;
   constexpr real tolerance = 1e-7;
   const real box = half[0] * half[1] * half[2] / (size * size * size);
-  const auto over = [&](real from, real to, real allowed, auto&& f) {
-    ten_moments all{};
-    for (int k = 0; k < panels; ++k) {
-      const ten_moments one = integral(from + (to - from) * k / panels,
-                                       from + (to - from) * (k + 1) / panels, allowed, depth, f);
-      for (std::size_t m = 0; m < 10; ++m) all[m] += one[m];
+  // Of f over the intervals between neighbouring ends, unless they are of zero length.
+  const auto over = [&](std::vector<real>& all, real allowed, auto&& f) {
+    std::sort(all.begin(), all.end());
+    ten_moments total{};
+    for (std::size_t k = 0; k + 1 < all.size(); ++k) {
+      if (!(all[k + 1] - all[k] > real(1e-13) * size)) continue;
+      const ten_moments one = integral(all[k] / size, all[k + 1] / size, allowed, depth, f);
+      for (std::size_t m = 0; m < 10; ++m) total[m] += one[m];
     }
-    return all;
+    return total;
   };
-  const real deep = (upper[2] - lower[2]) / size;
-  const ten_moments m = over(lower[2] / size, upper[2] / size, tolerance * box, [&](real z) {
-    return over(lower[1] / size, upper[1] / size, tolerance / 10 * box / deep,
-                [&](real y) { return along_line(y * size, z * size); });
+  const auto in_plane = [&](real z, real allowed) {
+    here.clear(), ranges.clear(), ends_in_plane.clear();
+    const auto range_of = [&](std::size_t n) {
+      return range_in_plane(z, [&](const vec3& d) { return support_at(n, d); });
+    };
+    const chord own = range_of(0);
+    for (std::size_t n = 0; n < others.size(); ++n) {
+      if (!(z > others[n].lower[2] && z < others[n].upper[2])) continue;
+      const chord range = detail::shared(own, range_of(n + 1));
+      if (range.empty()) continue;
+      here.push_back(n), ranges.push_back(range);
+      ends_in_plane.push_back(range.from), ends_in_plane.push_back(range.to);
+    }
+    return over(ends_in_plane, allowed, [&](real y) { return along_line(y * size, z); });
+  };
+  real lowest = half[2], highest = -half[2];
+  for (const part_bounds& o : others)
+    for (const real z : {o.lower[2], o.upper[2]}) {
+      ends.push_back(std::clamp(z, -half[2], half[2]));
+      lowest = std::min(lowest, ends.back()), highest = std::max(highest, ends.back());
+    }
+  if (!(highest > lowest)) return sum;
+  // Where bounds overlap and shapes hardly do, panels find what they share.
+  constexpr int panels = 4;
+  for (int k = 1; k < panels; ++k) ends.push_back(lowest + (highest - lowest) * k / panels);
+  const real deep = (highest - lowest) / size;
+  const ten_moments m = over(ends, tolerance * box, [&](real z) {
+    return in_plane(z * size, tolerance / 10 * box / deep);
   });
   const real volume = size * size * size;
   sum.mass = volume * m[0];

@@ -10,6 +10,7 @@
 #include "talus/core/math.hpp"
 #include "talus/shape/detail/ball_overlaps.hpp"
 #include "talus/shape/detail/part_overlaps.hpp"
+#include "talus/shape/detail/solid_overlaps.hpp"
 #include "talus/shape/detail/union_parts.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/shape/principal_axes.hpp"
@@ -44,11 +45,12 @@ class shared_moments {
   /// The parts, sorted, at their places.
   explicit shared_moments(const parts_type& parts) : parts_(parts) {
     const std::size_t n = parts.entries.size();
-    density_.resize(n), order_.resize(n), is_ball_.resize(n);
+    density_.resize(n), order_.resize(n), is_ball_.resize(n), is_flat_.resize(n);
     for (std::size_t i = 0; i < n; ++i)
       parts.visit(i, [&]<class Shape>(const Shape&, const pose&, real density) {
         density_[i] = density;
         is_ball_[i] = std::is_same_v<Shape, sphere>;
+        is_flat_[i] = is_flat_solid<Shape>;
       });
     std::vector<std::uint32_t> by_density(n);
     std::iota(by_density.begin(), by_density.end(), 0u);
@@ -76,6 +78,9 @@ class shared_moments {
   }
 
  private:
+  /// Solids around a part, which may have 2^10 intersections.
+  static constexpr std::size_t most_clipped = 10;
+
   [[nodiscard]] part_ball<Real> ball_of(std::size_t i) const {
     return {parts_.entries[i].centre, parts_.entries[i].reach};
   }
@@ -117,7 +122,16 @@ class shared_moments {
       for (const std::size_t j : earlier_) others.push_back(ball_of(j));
       return shared_by_many<Real>(ball_of(i), others).moments();
     }
+    bool flat = is_flat_[i] && earlier_.size() <= most_clipped;
+    for (const std::size_t j : earlier_) flat = flat && is_flat_[j];
     mass_moments<Real> sum;
+    if constexpr ((... || is_flat_solid<Shapes>))
+      if (flat) {
+        parts_.visit(i, [&]<class A>(const A& a, const pose& at, real) {
+          if constexpr (is_flat_solid<A>) sum = turned(by_clipping(a, at), at);
+        });
+        return sum;
+      }
     if constexpr (!only_spheres)
       parts_.visit(i, [&]<class A>(const A& a, const pose& at, real) {
         if constexpr (has_chord<A>) sum = turned(by_lines(a, at), at);
@@ -126,23 +140,37 @@ class shared_moments {
   }
   /// In the frame of the part.
   template <class A>
+  [[nodiscard]] mass_moments<Real> by_clipping(const A& a, const pose& at) {
+    std::vector<std::vector<face_plane>> others;
+    const pose back = inverse(at);
+    for (const std::size_t j : earlier_)
+      parts_.visit(j, [&]<class B>(const B& b, const pose& of_b, real) {
+        if constexpr (is_flat_solid<B>) others.push_back(face_planes_of(b, combined(back, of_b)));
+      });
+    mass_moments<Real> sum;
+    add_shared_by_solids<Real>(solid_of(a), others, 0, Real(1), 1e-13 * a.bounding_radius(), sum);
+    return sum;
+  }
+  /// In the frame of the part.
+  template <class A>
   [[nodiscard]] mass_moments<Real> by_lines(const A& a, const pose& at) {
-    const vec3 half = a.half_extents(pose{});
-    vec3 lower = half, upper = -half;
+    std::vector<part_bounds> bounds;
     const pose back = inverse(at);
     std::vector<pose> places;      // of the others, in the frame of the part
+    std::vector<pose> turns;       // from the frame of the part to those of the others
     std::vector<vec3> directions;  // of the lines, in the frames of the others
     for (const std::size_t j : earlier_)
       parts_.visit(j, [&](const auto& b, const pose& of_b, real) {
         const pose there = combined(back, of_b);
         const vec3 reach = b.half_extents({{0, 0, 0}, there.orientation});
-        lower = lower.cwiseMin(vec3(there.position - reach));
-        upper = upper.cwiseMax(vec3(there.position + reach));
+        bounds.push_back({there.position - reach, there.position + reach});
         places.push_back(there);
-        directions.push_back(inverse({{0, 0, 0}, there.orientation}).to_world(vec3(1, 0, 0)));
+        turns.push_back(inverse({{0, 0, 0}, there.orientation}));
+        directions.push_back(turns.back().to_world(vec3(1, 0, 0)));
       });
     return shared_by_parts(
-        half, lower, upper, earlier_.size() + 1, [&](std::size_t n, const vec3& p) {
+        a.half_extents(pose{}), bounds,
+        [&](std::size_t n, const vec3& p) {
           if (n == 0) return a.chord(p, vec3(1, 0, 0));
           chord found = no_chord;
           parts_.visit(earlier_[n - 1], [&]<class B>(const B& b, const pose&, real) {
@@ -150,6 +178,15 @@ class shared_moments {
               found = b.chord(places[n - 1].to_body(p), directions[n - 1]);
           });
           return found;
+        },
+        [&](std::size_t n, const vec3& d) {
+          if (n == 0) return d.dot(a.support(d));
+          real reach = 0;
+          parts_.visit(earlier_[n - 1], [&](const auto& b, const pose&, real) {
+            const vec3 turned = turns[n - 1].to_world(d);
+            reach = d.dot(places[n - 1].position) + turned.dot(b.support(turned));
+          });
+          return reach;
         });
   }
   /// About the origin, from moments in a frame.
@@ -164,7 +201,7 @@ class shared_moments {
   const parts_type& parts_;
   std::vector<real> density_;
   std::vector<std::uint32_t> order_;  ///< of each part, by density
-  std::vector<bool> is_ball_;
+  std::vector<bool> is_ball_, is_flat_;
   std::vector<std::size_t> earlier_;
 };
 

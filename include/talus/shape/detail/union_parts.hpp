@@ -51,7 +51,7 @@ struct union_parts {
   std::vector<std::uint32_t> sorted;  ///< numbers of the parts along `axis`
   int axis = 0;
   real furthest = 0;  ///< largest reach of a part
-  real volume = 0, bounding_radius = 0, inner_radius = 0;
+  real volume = 0, bounding_radius = 0, least_extent = 0;
   vec3 inertia{0, 0, 0};
   pose frame;  ///< of the body, in the coordinates of the user
   content_id id;
@@ -91,7 +91,7 @@ struct union_parts {
     std::stable_sort(sorted.begin(), sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
       return entries[a].centre[axis] < entries[b].centre[axis];
     });
-    find_inner_radius();
+    find_least_extent();
   }
   /// Appends a part whose pose is already that in the frame of the body.
   template <class Shape>
@@ -137,8 +137,8 @@ struct union_parts {
   }
 
  private:
-  void find_inner_radius() {
-    inner_radius = std::numeric_limits<real>::infinity();
+  void find_least_extent() {
+    least_extent = std::numeric_limits<real>::infinity();
     for (int k = 0; k < 3; ++k)
       for (const real sign : {-1., 1.}) {
         const vec3 d = sign * vec3::Unit(k);
@@ -149,9 +149,9 @@ struct union_parts {
                 at.to_world(shape.support(inverse({{0, 0, 0}, at.orientation}).to_world(d)));
             most = std::max(most, sign * p[k]);
           });
-        inner_radius = std::min(inner_radius, most);
+        least_extent = std::min(least_extent, most);
       }
-    if (!(inner_radius > 0)) inner_radius = real(0.05) * bounding_radius;
+    if (!(least_extent > 0)) least_extent = real(0.05) * bounding_radius;
   }
   /// Throws runtime_error for invalid bytes, which a damaged file may contain.
   [[noreturn, gnu::cold]] static void refuse() {

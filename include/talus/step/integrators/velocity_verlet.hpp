@@ -2,8 +2,8 @@
 // The stages of a step of integrator<velocity_verlet>: bodies are shared between its halves, so
 // that forces are computed after all ranks have the new positions.
 #include "talus/ghosts/migrate_and_refresh.hpp"
-#include "talus/pairs/filtered_pairs.hpp"
 #include "talus/ghosts/velocities_of_owners.hpp"
+#include "talus/pairs/filtered_pairs.hpp"
 #include "talus/state/hooks.hpp"
 #include "talus/state/stage_clock.hpp"
 #include "talus/state/state.hpp"

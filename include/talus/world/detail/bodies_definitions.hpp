@@ -20,10 +20,14 @@ void world<Scenario>::write(detail::body_store<Shape, typename Scenario::feature
   store.flags[i] = fixed ? detail::flag_fixed : 0;
   store.inverse_mass[i] = 0;
   if constexpr (Shape::finite)
-    if (!fixed) {
-      store.inverse_mass[i] = 1 / detail::mass_of(b, state_.materials);
+    if (!fixed || b.mass || b.density) {
+      const real inverse = 1 / detail::mass_of(b, state_.materials);
       if constexpr (!std::is_same_v<typename Scenario::precision, double>)
-        detail::require_mass_for_float(1 / store.inverse_mass[i], Shape::name);
+        detail::require_mass_for_float(1 / inverse, Shape::name);
+      if (fixed)
+        store.keep_mass(i, inverse);
+      else
+        store.inverse_mass[i] = inverse;
     }
   if constexpr (store_type::oriented) store.orientation_of[i] = b.orientation.normalized();
   if constexpr (store_type::forced) {
