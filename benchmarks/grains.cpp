@@ -1,5 +1,6 @@
-// Piles of what is neither sphere nor box: capsules, and unions of three spheres. In talus alone,
-// judged by its own measure of overlaps, which is geometry and not what the solver believes.
+// Piles of what is neither sphere nor box: capsules, ellipsoids, and unions of three spheres. In
+// talus alone, judged by its own measure of overlaps, which is geometry and not what the solver
+// believes.
 #include <array>
 #include <cmath>
 #include <talus/core/clock.hpp>
@@ -9,6 +10,7 @@
 #include <talus/observe/residual.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/shape/capsule.hpp>
+#include <talus/shape/ellipsoid.hpp>
 #include <talus/shape/union_of.hpp>
 #include <talus/world/world.hpp>
 
@@ -27,6 +29,21 @@ struct capsules {
   shape operator()(bench::dice& random) const {
     return {.radius = 0.3, .length = random.between(0.3, 0.8)};
   }
+};
+/// Of the form 1 : 1 : 2, as large as the spheres.
+struct eggs {
+  using shape = ellipsoid;
+  static constexpr double reach = 0.8;
+  shape operator()(bench::dice& random) const {
+    const double r = random.between(0.3, 0.5) / 1.2599210498948732;
+    return {.radii = {r, r, 2 * r}};
+  }
+};
+/// For comparison, by the same program.
+struct balls {
+  using shape = sphere;
+  static constexpr double reach = 0.5;
+  shape operator()(bench::dice& random) const { return {.radius = random.between(0.3, 0.5)}; }
 };
 /// Three overlapping spheres in a triangle, of four sizes: bodies of one size share their parts.
 struct clumps {
@@ -136,7 +153,12 @@ int main(int argc, char** argv) {
       run<capsules>("capsules", bodies, settle, measure, iterations, file);
     else if (shape == "union")
       run<clumps>("unions of three spheres", bodies, settle, measure, iterations, file);
+    else if (shape == "ellipsoid")
+      run<eggs>("ellipsoids 1 : 1 : 2", bodies, settle, measure, iterations, file);
+    else if (shape == "sphere")
+      run<balls>("spheres", bodies, settle, measure, iterations, file);
     else
-      throw std::invalid_argument("there is no shape '" + shape + "'; there are capsule and union");
+      throw std::invalid_argument("there is no shape '" + shape +
+                                  "'; there are capsule, ellipsoid, sphere and union");
   });
 }

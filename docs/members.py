@@ -31,6 +31,8 @@ SHEET = [
         ("shape/box.hpp", "box", "box"),
         ("shape/capsule.hpp", "capsule", "capsule"),
         ("shape/cylinder.hpp", "cylinder", "cylinder"),
+        ("shape/ellipsoid.hpp", "ellipsoid", "ellipsoid"),
+        ("shape/superellipsoid.hpp", "superellipsoid", "superellipsoid"),
         ("shape/plane.hpp", "plane", "plane"),
         ("shape/convex_polyhedron.hpp", "convex_polyhedron", "convex_polyhedron"),
         ("shape/union_of.hpp", "union_of", "union_of<Shapes...>"),
@@ -122,6 +124,12 @@ SHEET = [
         ("observe/digest.hpp", ["*"]),
         ("observe/run_ends.hpp", "*", ""), ("observe/run_ends.hpp", ["*"]),
         ("observe/critical_dt.hpp", ["*"]),
+        ("observe/queries.hpp", "ray", "ray"),
+        ("observe/queries.hpp", "shape_path", "shape_path"),
+        ("observe/asked_bodies.hpp", "query_filter", "query_filter"),
+        ("observe/asked_bodies.hpp", "query_hit", "query_hit"),
+        ("observe/queries.hpp", ["cast_rays", "cast_rays_through", "cast_shape", "cast_shape_through", "find_overlaps",
+                                 "nearest_bodies", "bodies_within", "handle_of", "shape_name"]),
         ("observe/fields.hpp", "coarse_fields", "coarse_fields"),
         ("observe/fields.hpp", ["measure_fields"]),
         ("observe/flow.hpp", "*", ""),
@@ -166,7 +174,7 @@ POLICIES = ["scenario", "bodies", "hard_contact", "soft_contact", "solver", "bro
             "transport", "precision", "features", "joints"]
 
 # For those who extend the library, not for those who use what it has.
-INSIDE = {"pack", "resolve", "half_extents", "support", "describe", "for_each_in", "extent", "as_grid", "reach_from",
+INSIDE = {"pack", "bending_along", "level", "resolve", "half_extents", "support", "describe", "for_each_in", "extent", "as_grid", "reach_from",
           "mesh", "tree", "state", "frame", "operator=", "add_body", "decomposition_lower", "reach_of_axis"}
 INSIDE_OF = {"convergence": {"add", "add_residual"}, "body_count": {"add", "remove"},
              "simple_cubic": {"step", "shift"}, "body_centred_cubic": {"step", "shift"},

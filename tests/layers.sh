@@ -27,7 +27,7 @@ find_level() {
     response/*) level=14 ;;  # former places of the solvers
     talus.hpp) level=14 ;;
     python/*) level=14 ;;
-    python.hpp | mpi.hpp | checkpoint.hpp | vtk.hpp | mesh.hpp | config.hpp | observe.hpp | feature.hpp | liquid.hpp | adhesion.hpp) level=15 ;;
+    python.hpp | mpi.hpp | checkpoint.hpp | vtk.hpp | mesh.hpp | config.hpp | observe.hpp | feature.hpp | liquid.hpp | filters.hpp | events.hpp | queries.hpp | adhesion.hpp) level=15 ;;
   esac
 }
 

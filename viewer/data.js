@@ -117,6 +117,12 @@ class run_data {
   most(name) {
     return Math.max(0, ...this.heads.map((h) => h[name] || 0));
   }
+  // The shapes that the run has beside those of all runs have the numbers after them.
+  name_of_shape(k) {
+    if (k < shape_names.length) return shape_names[k];
+    const told = { ...this.about, ...this.about.end }, own = told.shapes || this.heads.find((h) => h.shapes)?.shapes || "";
+    return own.split("\n")[k - shape_names.length]?.replaceAll("_", " ") || "own";
+  }
   name_of_material(k) {
     return this.materials[k]?.name || "material " + k;
   }

@@ -7,11 +7,11 @@ import sys
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
-from talus.series import CONTACT_FORMS, FORMS, WHAT, Series, companion, shapes_of  # noqa: E402
+from talus.series import CONTACT_FORMS, FORMS, WHAT, Series, companion, names_of_shapes, shapes_of  # noqa: E402
 from talus.stored import Error, Stored, blaming  # noqa: E402
 
 WALL, GLOBAL = 1, 2
-SPHERE, POLYHEDRON, MESH, OWN = 0, 4, 5, 6  # in outputs; in pages 6 is a plane
+SPHERE, POLYHEDRON, MESH, OWN = 0, 4, 5, 6  # in outputs; in pages 6 is a plane, and those from 6 on follow
 NONE = 0xFFFFFFFF
 MOST_CONTACTS = 50000
 TYPES = {"u1": "u8", "u2": "u16", "i2": "i16", "u4": "u32", "i4": "i32", "f4": "f32", "u8": "u64"}
@@ -80,7 +80,7 @@ class Converter:
 
     def surfaces(self, path, new, blocks):
         """Reads the faces of bodies that are seen for the first time."""
-        wanted = [b for b in new if b["shape"] in (POLYHEDRON, MESH) and b["part_key"] not in self.forms_of]
+        wanted = [b for b in new if (b["shape"] in (POLYHEDRON, MESH) or b["shape"] > OWN) and b["part_key"] not in self.forms_of]
         if not wanted:
             return []
         file = companion(path, "surfaces")
@@ -94,7 +94,7 @@ class Converter:
         if len(ends) != len(ids) + 1 or ends[0] < 0 or (ends[1:] < ends[:-1]).any() or ends[-1] > len(corners) or \
                 not ((0 <= corners) & (corners < len(points))).all():
             raise Error(f"{file} is damaged: VTKHDF/Offsets and VTKHDF/Connectivity do not belong to {len(ids)} faces of {len(points)} points")
-        faces = np.flatnonzero(np.isin(shapes, (POLYHEDRON, MESH, OWN)))
+        faces = np.flatnonzero(np.isin(shapes, (POLYHEDRON, MESH)) | (shapes >= OWN))
         faces = faces[np.argsort(ids[faces], kind="stable")]
         owners, added = ids[faces], []
         for body in wanted:
@@ -135,8 +135,11 @@ class Converter:
             there = USED - OPTIONAL | OPTIONAL.intersection(f.names("VTKHDF/PointData"))
             data = {k: f.array(f"VTKHDF/PointData/{k}", FORMS[k], len(points)) for k in sorted(there)}
             shapes_of(f, len(points))
-        data["shape"][data["shape"] == OWN] = POLYHEDRON  # with its faces, or as a box, as in pages of programs
+            own = names_of_shapes(f)[OWN:]
+        data["shape"] = data["shape"] + (data["shape"] >= OWN)  # with its faces, or as a box, as in pages of programs
         blocks, head, notes = Blocks(), {"step": step, "time": time}, []
+        if (data["shape"] > OWN).any():
+            head["shapes"] = "".join(name + "\n" for name in own)
         finite = (np.abs(points) < LARGEST).all(axis=1)
         for name in ("velocity", "size") + (("orientation",) if "orientation" in data else ()):
             finite &= (np.abs(data[name]) < LARGEST).all(axis=1)

@@ -60,7 +60,7 @@ function facts_of(frame, i) {
   const vector = (v) => v.map((x) => short_number(+x.toPrecision(5))).join(", ");
   const size = [...t.size.subarray(3 * r, 3 * r + 3)];
   put("body", "0x" + t.id[r].toString(16) + (t.part[r] > 0 ? ", part " + t.part[r] : ""));
-  put("shape", shape_names[t.shape[r]] + (t.flags[r] & 2 ? ", global" : t.flags[r] & 1 ? ", fixed" : ""));
+  put("shape", run.name_of_shape(t.shape[r]) + (t.flags[r] & 2 ? ", global" : t.flags[r] & 1 ? ", fixed" : ""));
   if (t.shape[r] === shape.sphere) put("radius", short_number(size[0] / 2));
   else if (t.shape[r] !== shape.plane) put("size", vector(size));
   if (t.mass[r] > 0 && !(t.flags[r] & 1)) put("mass", short_number(+t.mass[r].toPrecision(5)));

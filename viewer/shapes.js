@@ -1,6 +1,6 @@
 // Forms that bodies with faces are drawn with: corners of triangles with normals, for a body of size 1.
 
-const shape_names = ["sphere", "box", "capsule", "cylinder", "convex polyhedron", "triangle mesh", "plane"];
+const shape_names = ["sphere", "box", "capsule", "cylinder", "convex polyhedron", "triangle mesh", "plane"]; // of all runs
 const shape = { sphere: 0, box: 1, capsule: 2, cylinder: 3, polyhedron: 4, mesh: 5, plane: 6 };
 
 class form_builder {

@@ -26,7 +26,7 @@ struct solid {
   [[nodiscard]] talus::real bounding_radius() const { return radius; }
   [[nodiscard]] talus::real volume() const { return 1; }
   [[nodiscard]] talus::vec3 inertia() const { return moments; }
-  [[nodiscard]] talus::vec3 support(const talus::vec3&) const { return {0, 0, 0}; }
+  [[nodiscard]] talus::vec3 support(const talus::vec3& d) const { return radius * talus::unit(d); }
   [[nodiscard]] talus::vec3 half_extents(const talus::pose&) const {
     return {radius, radius, radius};
   }

@@ -92,7 +92,7 @@ def shapes(bench):
             bench.run(table, engine, "crates" + ("" if engine == "talus" else "_" + engine),
                       scene=scene, bodies=bodies, iterations=iterations,
                       tags={"asked": iterations, "when": "before" if first else "after"}, **short)
-    for shape in ("capsule", "union"):
+    for shape in ("capsule", "ellipsoid", "union"):
         bench.run("grains", shape, "grains", shape=shape, bodies=64 if bench.quick else 1000,
                   **short)
 

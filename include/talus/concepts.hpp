@@ -117,6 +117,27 @@ concept finite_shape = shape<Shape> && Shape::finite &&
   { s.half_extents(p) } -> std::convertible_to<vec3>;
 };
 
+/// A convex shape: its support function is enough for contacts with all other shapes, and for its
+/// picture. (Not a union of parts, and not a surface of triangles, which have routines of their
+/// own.) Optional members make it faster, or better:
+/// - `form()`: its flat faces and straight edges, one of the forms of shape/convex_form.hpp
+/// - `inner_radius()`: of a ball about the centre of mass inside the shape; without it, its bounds
+///   are computed for each pair
+/// - `smallest_curvature_radius()`: overlaps of smooth shapes up to it have one normal only, which
+///   is found without a search for others
+/// - `level(p)`: the surface as the level of a convex function (shape/surface_level.hpp), for
+/// points
+///   to rounding errors where a smooth shape is flat
+/// - `numbers`: the names of its numbers, in the order of its members, for checkpoints and Python
+/// A shape without form() is tested when bodies with it are added: its support function must be
+/// that of a convex body with the centre of mass inside, and within the bounds
+/// (shape/support_check.hpp).
+template <class Shape>
+concept convex_shape = finite_shape<Shape> && !requires(const Shape& s) {
+  s.parts();
+}
+&&!requires(const Shape& s) { s.tree(); };
+
 /// A part of space, as a value.
 /// - `value(p)`: positive inside, 0 on the boundary, negative outside, and at most the distance of
 ///   p from the boundary: -value is a lower bound of the distance from the region

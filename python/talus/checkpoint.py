@@ -63,7 +63,8 @@ def require_whole(path):
 
 class Bodies(Columns):
     """The bodies of one shape, in the order of their ids: positions, velocities, angular_velocities, orientations
-    (x, y, z, w), ids, radii; ["..."] for all columns by their names in the file."""
+    (x, y, z, w), ids, radii; ["..."] for all columns by their names in the file. `numbers` names the columns of
+    "shape", which are attributes, too: radius, length."""
 
     WORDS = {"positions": "position", "velocities": "velocity", "angular_velocities": "angular_velocity",
              "orientations": "orientation", "ids": "id", "materials": "material"}
@@ -74,6 +75,11 @@ class Bodies(Columns):
         super().__init__(path, WHAT, table, order)
         self._names = [n for n in self._names if n not in ("pieces", "boxes", "extra")]
         self.shape = table.rpartition("/")[2]
+        self.numbers = ()
+        with Stored(path, WHAT) as file:
+            if file.has(f"shapes/{self.shape}"):
+                with blaming(path, f"shapes/{self.shape}"):
+                    self.numbers = tuple(bytes(file.array(f"shapes/{self.shape}", "u")).decode().splitlines())
 
     def __getitem__(self, name):
         values = super().__getitem__(name)
@@ -87,6 +93,10 @@ class Bodies(Columns):
         if name == "radii" and shape in ("sphere", "capsule", "cylinder"):
             values = self["shape"]  # of a sphere its only number, of the others the first
             return values if values.ndim == 1 else values[:, 0]
+        numbers = self.__dict__.get("numbers", ())
+        if name in numbers:
+            values = self["shape"]
+            return values if values.ndim == 1 else values[:, numbers.index(name)]
         word = type(self).WORDS.get(name)
         if word is None or word not in self._names:
             raise AttributeError(f"a {shape} of this checkpoint has no {name}")

@@ -9,7 +9,7 @@ import numpy as np
 
 from .arrays import BODIES, Columns, by_id
 from .errors import Error
-from .stored import Stored, beside, read_text
+from .stored import Stored, beside, blaming, read_text
 
 WHAT = "output of talus"
 SHAPES = ("sphere", "box", "capsule", "cylinder", "polyhedron", "mesh", "own")
@@ -25,10 +25,19 @@ def companion(path, kind):
     return beside(path, re.sub(r"(_\d+)?(\.hdf)?$", rf"_{kind}\1\2", pathlib.Path(path).name, count=1))
 
 
+def names_of_shapes(file):
+    """The names of the shapes by number: those of all scenarios, then those of this one. Raises Error."""
+    if not file.has("VTKHDF/FieldData/own_shapes"):
+        return SHAPES
+    with blaming(file.path, "VTKHDF/FieldData/own_shapes"):
+        own = bytes(file.array("VTKHDF/FieldData/own_shapes", "u")).decode().splitlines()
+    return SHAPES[:-1] + tuple(own)
+
+
 def shapes_of(file, rows):
     """The numbers of the shapes of bodies. Raises Error."""
     shapes = file.array("VTKHDF/PointData/shape", "u", rows)
-    if not np.isin(shapes, range(len(SHAPES))).all():
+    if not np.isin(shapes, range(len(names_of_shapes(file)))).all():
         raise Error(f"{file.path} is damaged: VTKHDF/PointData/shape has numbers that no shape has")
     return shapes
 
@@ -47,6 +56,7 @@ class Frame:
             self.time = float(file.array("VTKHDF/FieldData/time", "f", 1)[0])
             order = by_id(file.array("VTKHDF/PointData/id", "u"))
             shapes_of(file, len(order))
+            self._shapes = names_of_shapes(file)
             file.array("VTKHDF/PointData/fixed", "u", len(order))
         self.bodies = Columns(path, WHAT, "VTKHDF/PointData", order, FORMS)
         self._contacts = self._positions = None
@@ -63,7 +73,7 @@ class Frame:
     @property
     def shapes(self):
         """The name of the shape of each body."""
-        return np.array(SHAPES)[self.bodies["shape"]]
+        return np.array(self._shapes)[self.bodies["shape"]]
 
     @property
     def fixed(self):

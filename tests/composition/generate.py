@@ -13,7 +13,7 @@ import random
 
 ON_OFF = ["orientation", "forces", "user_ids", "visibility", "damping", "continuous_collision",
           "sleeping", "balancing", "vtk_output", "driven", "energy_ledger", "momentum_balance",
-          "penetration_monitor", "residual_monitor"]
+          "penetration_monitor", "residual_monitor", "contact_filters", "events"]
 FACTORS = {
     "shapes": ["spheres", "boxes", "rounded", "compound"],
     "law": ["hard", "hard_smooth", "hard_overlapping", "soft_linear", "soft_hertz"],

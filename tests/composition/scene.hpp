@@ -11,6 +11,8 @@
 #include <span>
 #include <string>
 #include <talus/checkpoint.hpp>
+#include <talus/events.hpp>
+#include <talus/filters.hpp>
 #include <talus/observe/digest.hpp>
 #include <talus/observe/energy.hpp>
 #include <talus/observe/momentum.hpp>
@@ -116,6 +118,12 @@ class scene {
         }
     if constexpr (has<continuous_collision>)
       add(w, sphere{0.1}, {-3.6, 0.07, height + 0.45}, {60, 1, 0});
+    if constexpr (has<contact_filters>) {  // a third of the bodies pass through each other
+      w.template feature<contact_filters>().ignore(contact_group{1}, contact_group{1});
+      w.for_each_local([](auto&& b) {
+        if (value_of(b.id()) % 3 == 0) b.template set<contact_groups>(2);
+      });
+    }
   }
   static constexpr int finite_shapes =
       detail::filter_types<typename Scenario::shapes, detail::is_finite>::size;

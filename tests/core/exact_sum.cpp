@@ -102,11 +102,48 @@ TEST_CASE(
   check([&] { return std::ldexp(digits(random), near(random)); });
   check([&] { return std::abs(std::ldexp(digits(random), near(random))); });
   check([] { return 2 - 0x1p-52; });
+  int count = 0;
+  check([&] { return std::ldexp(digits(random), -(++count % 300)); });  // far below the largest
+  check([&] { return std::ldexp(digits(random), ++count % 300); });     // larger and larger
   check([] { return 0.0; });
+  exact_sum sizes, sizes_in_batch;
+  {
+    talus::detail::exact_batch batch(sizes_in_batch);
+    for (int k = 0; k < 1000; ++k) {
+      const double x = std::ldexp(std::abs(digits(random)), -(k % 200));
+      sizes += x, batch += x;
+    }
+  }
+  CHECK(sizes.value() == sizes_in_batch.value());
   exact_sum broken;
   {
     talus::detail::exact_batch batch(broken);
     batch += std::nan("");
   }
   CHECK(std::isnan(broken.value()));
+}
+
+TEST_CASE("a sum times a number is the sum of the products, whatever its grouping") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<> digits(-1, 1);
+  for (const double factor : {1.0, 2e-4, 1e-4 / 3, 12345.678, 0x1p-40}) {
+    talus::detail::signed_sum all, some, others;
+    double sum = 0;
+    for (int k = 0; k < 1000; ++k) {
+      const double x = std::ldexp(digits(random), k % 60 - 30);
+      all += x, (k % 3 == 0 ? some : others) += x;
+      sum += x;
+    }
+    const auto whole = all.times(factor);
+    CHECK(whole.value() == doctest::Approx(factor * all.value()).epsilon(1e-15));
+    talus::detail::signed_sum parts = some.times(factor);
+    parts += others.times(factor);
+    CHECK(parts.value() == whole.value());
+    parts -= whole;
+    CHECK(parts.value() == 0);
+  }
+  talus::detail::signed_sum one;
+  one += -3.0;
+  CHECK(one.times(0.5).value() == -1.5);
+  CHECK(one.times(0).value() == 0);
 }

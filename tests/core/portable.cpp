@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <talus/core/portable_beta.hpp>
 #include <talus/core/portable_powers.hpp>
 #include <talus/core/portable_trigonometry.hpp>
 #include <talus/core/quick_functions.hpp>
@@ -167,6 +168,31 @@ TEST_CASE("exponentials, logarithms and powers are right to one or two units in 
   CHECK(portable::pow(10, -3) == 0.001);
   CHECK(portable::pow(10, 400) == infinity);
   CHECK(portable::pow(10, -400) == 0);
+}
+
+TEST_CASE("quick powers are right to a few units in the last place, the beta function to 2e-14") {
+  random_stream random(5, 6);
+  real power = 0, beta = 0;
+  for (int k = 0; k < 100000; ++k) {
+    const real x = std::exp(random.uniform(-40.0, 1.0)), e = random.uniform(-1.0, 8.0);
+    const real wanted = std::pow(x, e);
+    power = std::max(
+        power, std::abs(detail::quick_pow(x, e) / wanted - 1) / (1 + std::abs(std::log(wanted))));
+  }
+  for (int k = 0; k < 3000; ++k) {
+    const real x = random.uniform(0.1, 5.0), y = random.uniform(0.1, 5.0);
+    const long double wanted = std::tgamma(static_cast<long double>(x)) *
+                               std::tgamma(static_cast<long double>(y)) /
+                               std::tgamma(static_cast<long double>(x) + y);
+    beta = std::max(beta, static_cast<real>(std::abs(portable::beta(x, y) / wanted - 1)));
+  }
+  MESSAGE("powers ", power, ", beta ", beta);
+  CHECK(power < 6e-16);
+  CHECK(beta < 2e-14);
+  CHECK(detail::quick_pow(0, 0.3) == 0);
+  CHECK(detail::quick_pow(0.7, 1) == 0.7);
+  CHECK(detail::quick_pow(1, 0.3) == 1);
+  CHECK(portable::beta(0.5, 0.5) == doctest::Approx(pi).epsilon(1e-15));
 }
 
 TEST_CASE("the quick root and logarithm are right to a few units in the last place") {

@@ -37,7 +37,7 @@ void check_over_plane(const Shape& shape) {
     const real lowest = ground.distance(at.position) - down.dot(shape.support(down));
     real least = 1e9;
     bool half_way = true;
-    collide(ground, {{0, 0, 0}, {1, 0, 0, 0}}, shape, at, 100, [&](const contact_geometry& g) {
+    collide_pair(ground, {{0, 0, 0}, {1, 0, 0, 0}}, shape, at, 100, [&](const contact_geometry& g) {
       least = std::min(least, g.gap);
       half_way = half_way && std::abs(ground.distance(g.point) - g.gap / 2) < 1e-12;
     });

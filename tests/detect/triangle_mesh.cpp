@@ -210,8 +210,8 @@ TEST_CASE("a tilted plane of corners in single precision is one face") {
     for (const vec3& at : {vec3(0, 0, 0), vec3(0.41, -0.23, 0), vec3(-0.6, 0.55, 0)}) {
       const vec3 where = rotated(tilt, vec3(at + vec3(0, 0, 0.15 - 1e-5)));
       int points = 0;
-      collide(m, m.frame(), cube, pose{where, tilt}, 1e-4,
-              [&](const contact_geometry&) { ++points; });
+      collide_pair(m, m.frame(), cube, pose{where, tilt}, 1e-4,
+                   [&](const contact_geometry&) { ++points; });
       CAPTURE(n);
       CAPTURE(at[0]);
       CHECK(points == 4);

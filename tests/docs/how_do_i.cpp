@@ -8,14 +8,18 @@
 #include <limits>
 #include <talus/adhesion.hpp>
 #include <talus/checkpoint.hpp>
+#include <talus/events.hpp>
+#include <talus/filters.hpp>
 #include <talus/liquid.hpp>
 #include <talus/mesh.hpp>
 #include <talus/observe.hpp>
 #include <talus/observe/bond_breaks.hpp>
+#include <talus/queries.hpp>
 #include <talus/talus.hpp>
 #include <talus/vtk.hpp>
 #include <vector>
 
+#include "../../examples/own_shape/lens.hpp"
 #include "../tutorial/ranks.hpp"
 
 using namespace talus;
@@ -76,6 +80,119 @@ double lowest_of(World& world) {
 
 }  // namespace
 
+TEST_CASE("build: which bodies touch") {
+  using apart = scenario<bodies<sphere, plane>, hard_contact<>, decomposition<grid<dynamic>>,
+                         features<contact_filters>>;
+  on_ranks<apart>(2, [](auto& world) {
+    world.decompose({.lower = {-3}, .upper = {3}});
+    world.gravity({0, 0, -9.81});
+    const auto stone = world.material({}), wood = world.material({}),
+               floor_material = world.material({});
+    world.global(
+        [&](auto& scope) { scope.add(plane{}, floor_material), scope.add(plane{}, wood); });
+    // Pairs, one above the other.
+    const auto add = [&](real x, real z, material_id of) {
+      return world.add_if_local(body{.shape = sphere{0.5}, .position = {x, 0, z}, .material = of});
+    };
+    const auto first = add(-2.4, 0.5, wood), second = add(-2.4, 1.7, wood);
+    const auto of_one = add(-1.2, 0.5, wood), of_two = add(-1.2, 1.7, wood);
+    const auto below = add(0.1, 0.5, stone), above = add(0.1, 1.7, stone);
+    const auto unlike_third = add(1.3, 0.5, wood), third = add(1.3, 1.7, wood);
+    const auto lower = add(2.5, 0.5, wood), upper = add(2.5, 1.7, wood);  // touch each other
+    if (of_one) world[*of_one].template set<contact_groups>(1u << 1);
+    if (of_two) world[*of_two].template set<contact_groups>(1u << 2);
+    if (unlike_third) world[*unlike_third].template set<contact_mask>(~(1u << 3));
+    world.synchronize();
+    auto& filters = world.template feature<contact_filters>();
+    filters.ignore(contact_group{1}, contact_group{2});
+    filters.only_between(stone, floor_material);
+    keep_apart(world, first, second);  // handles, or empty optional handles, on all ranks
+    if (third) world[*third].template set<contact_groups>(1u << 3);
+    world.simulate({.steps = 100, .dt = 0.01});
+    const auto height = [&](const auto& of) {
+      return sum_of(world, of ? world[*of].position()[2] : 0);
+    };
+    for (const auto& one : {second, of_two, above, third})
+      CHECK(height(one) == doctest::Approx(0.5).epsilon(0.02));
+    for (const auto& one : {first, of_one, below, unlike_third, lower})
+      CHECK(height(one) == doctest::Approx(0.5).epsilon(0.02));
+    CHECK(height(upper) == doctest::Approx(1.5).epsilon(0.02));
+  });
+}
+
+TEST_CASE("measure: events") {
+  using reporting = scenario<bodies<sphere, plane>, hard_contact<>, decomposition<grid<dynamic>>,
+                             features<events>>;
+  on_ranks<reporting>(2, [](auto& world) {
+    world.decompose({.lower = {-3}, .upper = {3}});
+    world.gravity({0, 0, -9.81});
+    const auto stone = world.material({});
+    world.global([&](auto& scope) { scope.add(plane{}, stone); });
+    for (const real x : {-2., -0.5, 0.5})
+      world.add_if_local(body{.shape = sphere{0.5}, .position = {x, 0, 1.5}, .material = stone});
+    std::vector<system_id> passed;
+    auto& of_events = world.template feature<events>();
+    of_events.impacts({.speed = 2});
+    const int middle = of_events.region(box_region{{-1, -1, 0}, {1, 1, 1}});
+    world.after_each_step("events", [&] {
+      for (const event& e : all_events(world))
+        if (e.kind == event_kind::enters && e.region == middle) passed.push_back(e.a);
+    });
+    world.simulate({.steps = 100, .dt = 0.01});
+    CHECK(passed.size() == 2);
+    CHECK(total_events(world)[2] == 3);
+  });
+}
+
+TEST_CASE("measure: what a ray meets, and whether a place is free") {
+  using plain = scenario<bodies<sphere, plane>, hard_contact<>, decomposition<grid<dynamic>>>;
+  on_ranks<plain>(2, [](auto& world) {
+    world.decompose({.lower = {-3}, .upper = {3}});
+    const auto stone = world.material({});
+    world.global([&](auto& scope) { scope.add(plane{}, stone); });
+    for (const real x : {-1.3, 0., 1.3})
+      world.add_if_local(body{.shape = sphere{0.5}, .position = {x, 0, 0.5}, .material = stone});
+    const std::array beams{ray{.from = {0, 0, 9}}, ray{.from = {2, 0, 9}}};
+    const std::vector<query_hit> hits = cast_rays(world, beams);  // downwards by default
+    const std::array places{pose{{0, 0, 0.8}}, pose{{0, 0, 3}}};
+    const auto in_the_way = find_overlaps(world, sphere{0.4}, places);
+    const bool is_free = in_the_way[1].empty();
+    double highest = 0;
+    const std::vector<shape_path> ways{{.from = {0, 0, 5}, .direction = {0, 0, -1}, .length = 10}};
+    const query_hit landing = cast_shape(world, box{{0.2, 0.2, 0.2}}, ways)[0];
+    if (landing) highest = landing.point[2];
+    CHECK(hits[0].distance == doctest::Approx(8).epsilon(1e-12));
+    CHECK(handle_of<sphere>(world, hits[0]).has_value());
+    CHECK(hits[1].id != hits[0].id);
+    CHECK(in_the_way[0].size() == 1);
+    CHECK(in_the_way[0][0].distance == doctest::Approx(-0.6));
+    CHECK(is_free);
+    CHECK(highest == doctest::Approx(1));
+  });
+}
+
+TEST_CASE("build: ellipsoids and blocky grains") {
+  using sweets =
+      scenario<bodies<ellipsoid, superellipsoid, lens, plane>, decomposition<grid<dynamic>>>;
+  on_ranks<sweets>(2, [](auto& world) {
+    world.decompose({.lower = {-6}, .upper = {6}});
+    world.gravity({0, 0, -9.81});
+    const auto stone = world.material({.density = 1.4});
+    world.global([&](auto& scope) { scope.add(plane{}, stone); });
+    const ellipsoid sweet{{0.3, 0.3, 0.2}};
+    const superellipsoid cube{.radii = {0.2, 0.2, 0.2}, .n1 = 6, .n2 = 6};
+    world.add_if_local(body{.shape = sweet, .position = {-1, 0, 0.5}, .material = stone});
+    world.add_if_local(body{.shape = cube, .position = {1, 0, 0.5}, .material = stone});
+    world.add_if_local(body{.shape = lens{}, .position = {4, 0, 1}, .material = stone});
+    world.simulate({.steps = 300, .dt = 0.005});
+    CHECK(sum_of(world, static_cast<double>(world.local_bodies())) == 3);
+    world.for_each_local([](const auto& b) {
+      const real half = b.shape().half_extents(pose{})[2];
+      CHECK(b.position()[2] == doctest::Approx(half).epsilon(0.02));
+    });
+  });
+}
+
 TEST_CASE("build: a box of grains with a size distribution") {
   on_ranks<grains>(2, [](auto& world) {
     world.decompose({.lower = {-3}, .upper = {3}});
@@ -132,6 +249,21 @@ endsolid chute
                              .material = stone,
                              .orientation = random.rotation()};
                });
+    const auto before_toys = world.local_bodies();
+    const auto heavy = world.add(body{.shape = sphere{0.5}, .position = {9, 0, 1}, .mass = 3});
+    const clump ball{sphere{0.5}};  // a union_of<sphere>
+    const auto hollow =
+        world.add(body{.shape = ball, .position = {9, 2, 1}, .mass = 2, .inertia = 1. / 3});
+    const auto tumbler = world.add(body{.shape = ball,
+                                        .position = {9, 4, 1},
+                                        .mass = 2,
+                                        .inertia = {0.2, 0.2, 0.1},
+                                        .centre = {0, 0, -0.2}});
+    CHECK(world.local_bodies() == before_toys + 3);
+    CHECK(world[heavy].mass() == doctest::Approx(3));
+    CHECK(world[hollow].inertia()[2] == doctest::Approx(1. / 3));
+    CHECK((world[tumbler].position() - vec3(9, 4, 0.8)).norm() < 1e-14);
+    world.destroy(heavy), world.destroy(hollow), world.destroy(tumbler);
     const triangle_mesh chute = read_stl("chute.stl", 0.001);  // from millimetres to metres
     const pose at = placed(chute);
     world.global([&](auto& scope) { scope.add(chute, stone, at.position, at.orientation); });

@@ -43,6 +43,29 @@ class Worlds(unittest.TestCase):
                 self.assertEqual(mine[name], said[name], name)
             self.assertEqual(world.kinetic_energy, said["kinetic_energy"])
 
+    def test_events_are_those_of_each_step(self):
+        world = mechanism.World(steps=600)
+        reported = []
+        while world.steps < 250:
+            world.step()
+            events = world.event_table()
+            reported += zip(events["kind"].tolist(), events["id_a"].tolist(), events["id_b"].tolist())
+            for k, kind in enumerate(events["kind"]):
+                if kind == "impact":
+                    self.assertGreaterEqual(events["speed"][k], 2)
+        kinds = [kind for kind, _, _ in reported]
+        self.assertEqual(kinds.count("impact"), 2)  # the first sphere lies on the ground
+        touching = set()
+        for kind, a, b in reported:
+            if kind == "contact_begins":
+                self.assertNotIn((a, b), touching)
+                touching.add((a, b))
+            elif kind == "contact_ends":
+                touching.remove((a, b))
+        contacts = world.contact_table()
+        self.assertEqual({tuple(sorted(pair)) for pair in zip(contacts["id_a"].tolist(), contacts["id_b"].tolist())},
+                         touching)
+
     def test_tables_have_columns_of_one_dimension(self):
         world = mechanism.World(steps=600)
         empty = world.contact_table()
@@ -246,7 +269,8 @@ class Worlds(unittest.TestCase):
         self.assertAlmostEqual(spheres.positions[row, 0], 0.1)
         spheres.set_velocity(new, (0, 2, 0))
         self.assertEqual(spheres.velocities[row].tolist(), [0, 2, 0])
-        crate = world.bodies["box"].add(1, 2, 3, position=(0, -9, 4))
+        crate = world.bodies["box"].add(1, 2, 3, position=(0, -9, 4), mass=7)
+        self.assertEqual(world.body_table().set_index("id").loc[crate, "mass"], 7)
         world.step(1)
         world.bodies["box"].remove(crate)
         spheres.remove(new)
@@ -256,6 +280,8 @@ class Worlds(unittest.TestCase):
                            (lambda: spheres.add(-1, position=(0, 0, 9)), "radius"),
                            (lambda: spheres.add(1, position=(0, 0, float("nan"))), "position"),
                            (lambda: spheres.add(1, position=(0, 0, 9), material=7), "material"),
+                           (lambda: spheres.add(1, position=(0, 0, 9), mass=0), "the mass of a sphere .* is 0"),
+                           (lambda: spheres.add(1, position=(0, 0, 9), mass=2, density=3), "leave one of the two out"),
                            (lambda: spheres.remove(new), "sphere"),
                            (lambda: spheres.set_velocity(new, (0, 0, 0)), "does not know the sphere")]:
             with self.assertRaisesRegex(ValueError, words):

@@ -4,6 +4,7 @@
 #include <memory>
 #include <stdexcept>
 #include <talus/checkpoint.hpp>
+#include <talus/events.hpp>
 #include <talus/python.hpp>
 #include <talus/talus.hpp>
 #include <talus/vtk.hpp>
@@ -12,7 +13,7 @@ using namespace talus;
 
 using mechanism =
     scenario<bodies<sphere, box, plane>, hard_contact<coulomb_friction, newton_restitution>,
-             joints<hinge>, transport<serial>, features<checkpoints, vtk_output>>;
+             joints<hinge>, transport<serial>, features<checkpoints, events, vtk_output>>;
 
 struct mechanism_options : options {
   double speed = 2;
@@ -38,6 +39,7 @@ PYBIND11_MODULE(mechanism, module) {
         if (options.bar_mass != 0) throw std::invalid_argument("the bar has its own mass");
         if (options.fail_first) throw std::invalid_argument("the set-up has no wood");
         world.gravity({0, 0, -10});
+        world.template feature<events>().impacts({.speed = 2});
         const auto wood = world.material({.density = 1, .friction = 0.5});
         world.global([&](auto& scope) { scope.add(plane{}, wood); });
         for (int k = 0; k < 3; ++k) world.add(sphere{0.5}, wood, {2.0 * k, 5, 0.5 + k});

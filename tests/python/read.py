@@ -68,6 +68,16 @@ class Read(unittest.TestCase):
             series[5]
         self.assertIn("5 frames", repr(series))
 
+    def test_the_name_of_a_shape_may_have_two_words(self):
+        path = self.work / "own_0000000040.hdf"
+        shutil.copy(self.file("_0000000040.hdf"), path)
+        with h5py.File(path, "r+") as file:
+            names = np.frombuffer(b"round lens\nellipsoid\n", "u1")
+            file.create_dataset("VTKHDF/FieldData/own_shapes", data=names)
+            numbers = file["VTKHDF/PointData/shape"]
+            numbers[...] = [6, 7, 6, 7]
+        self.assertEqual(sorted(talus.open(path).shapes), ["ellipsoid", "ellipsoid", "round lens", "round lens"])
+
     def test_a_checkpoint_has_the_bodies_by_their_ids(self):
         state = talus.open(self.file(".h5"))
         self.assertEqual((state.step, state.time, state.ranks), (40, self.time, 1))

@@ -1,5 +1,5 @@
-// expects: the hooks of a feature are static functions named after the stages of a step, and this
-// feature has none of these names: docs/features.md lists them
+// expects: the hooks of a feature are static functions named after the stages of a step, or
+// may_touch, and this feature has none of these names: docs/features.md lists them
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 

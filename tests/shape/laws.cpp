@@ -12,9 +12,11 @@
 #include "talus/shape/capsule.hpp"
 #include "talus/shape/convex_polyhedron.hpp"
 #include "talus/shape/cylinder.hpp"
+#include "talus/shape/ellipsoid.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
+#include "talus/shape/superellipsoid.hpp"
 
 namespace {
 
@@ -125,6 +127,21 @@ TEST_CASE("support, bounds, volume and inertia of a shape agree") {
     const auto inside = [&](const vec3& p) { return at_most((2 * p).cwiseAbs(), size); };
     check_laws(box{.size = size}, inside, 2);
   }
+  for (const vec3& r : {vec3(1, 1, 1), vec3(1, 2, 0.5), vec3(0.1, 0.3, 4)})
+    check_laws(
+        ellipsoid{r}, [r](const vec3& p) { return p.cwiseQuotient(r).norm() <= 1; }, 7);
+  for (const auto& [n1, n2] : {std::pair(2., 2.), std::pair(2., 8.), std::pair(8., 2.),
+                               std::pair(3.7, 2.6), std::pair(8., 8.)})
+    for (const vec3& r : {vec3(1, 1, 1), vec3(1, 2, 0.5), vec3(0.1, 0.3, 4)}) {
+      const superellipsoid s{r, n1, n2};
+      const auto in_superellipsoid = [&](const vec3& p) {
+        const vec3 u = p.cwiseQuotient(s.radii).cwiseAbs();
+        return std::pow(std::pow(u[0], s.n2) + std::pow(u[1], s.n2), s.n1 / s.n2) +
+                   std::pow(u[2], s.n1) <=
+               1;
+      };
+      check_laws(s, in_superellipsoid, 8);
+    }
   for (const auto& [r, l] : {std::pair(1., 1.), std::pair(0.3, 4.), std::pair(5., 0.1)}) {
     const auto in_capsule = [r = r, l = l](const vec3& p) {
       return std::hypot(p[0], p[1], std::max(0., std::abs(p[2]) - l / 2)) <= r;
@@ -135,6 +152,105 @@ TEST_CASE("support, bounds, volume and inertia of a shape agree") {
     };
     check_laws(cylinder{.radius = r, .length = l}, in_cylinder, 4);
   }
+}
+
+TEST_CASE("a superellipsoid with the exponents 2 is an ellipsoid") {
+  generator random{std::mt19937_64(9)};
+  for (int k = 0; k < 200; ++k) {
+    const vec3 r(random(0.1, 3), random(0.1, 3), random(0.1, 3));
+    const ellipsoid e{r};
+    const superellipsoid s{r}, nearly{r, 2 + 1e-12, 2 + 1e-12};
+    CHECK(s.volume() == doctest::Approx(e.volume()).epsilon(1e-14));
+    CHECK(s.bounding_radius() == e.bounding_radius());
+    CHECK(nearly.bounding_radius() == doctest::Approx(e.bounding_radius()).epsilon(1e-11));
+    const pose at = place(random);
+    const vec3 d = random.direction();
+    for (int i = 0; i < 3; ++i) {
+      CHECK(s.inertia()[i] == doctest::Approx(e.inertia()[i]).epsilon(1e-14));
+      CHECK(s.half_extents(at)[i] == doctest::Approx(e.half_extents(at)[i]).epsilon(1e-14));
+    }
+    CHECK((s.support(d) - e.support(d)).norm() < 1e-14 * r.norm());
+    CHECK((nearly.support(d) - e.support(d)).norm() < 1e-11 * r.norm());
+    for (const vec3& way : {d, vec3(0, 0, 1), vec3(0, -1, 0), vec3(1, 0, 0)}) {
+      const mat3 a = s.bend(way), b = e.bend(way);
+      const real most = 10 * e.bounding_radius();
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          if (b(0, 0) + b(1, 1) + b(2, 2) < most)
+            CHECK(std::abs(a(i, j) - b(i, j)) <
+                  1e-12 * e.bounding_radius() * r.maxCoeff() / r.minCoeff());
+    }
+    const vec3 p = random.point(2);
+    const chord of_s = s.chord(p, d), of_e = e.chord(p, d);
+    CHECK(of_s.empty() == of_e.empty());
+    if (!of_e.empty()) {
+      CHECK(std::abs(of_s.from - of_e.from) < 1e-11);
+      CHECK(std::abs(of_s.to - of_e.to) < 1e-11);
+    }
+  }
+}
+
+TEST_CASE("a superellipsoid has its support where directions have no or tiny components") {
+  const superellipsoid s{{1, 2, 3}, 8, 5};
+  for (int k = 0; k < 3; ++k)
+    for (const real sign : {1., -1.}) {
+      const vec3 axis = vec3::Unit(k);
+      for (const real length : {1., 1e-300, 1e300, 5e-324}) {
+        const vec3 p = s.support(sign * length * axis);
+        CHECK(p == sign * s.radii[k] * axis);
+      }
+      for (const real tiny : {1e-320, 1e-200, 1e-30, 1e-12}) {
+        const vec3 d = axis + tiny * vec3::Unit((k + 1) % 3), p = s.support(d);
+        CHECK(p.allFinite());
+        CHECK(p[k] == doctest::Approx(s.radii[k]));
+        CHECK(p[(k + 1) % 3] >= 0);
+        CHECK(p[(k + 2) % 3] == 0);
+        CHECK((s.bend(d) * vec3(1, 1, 1)).allFinite());
+      }
+    }
+  CHECK(s.support({0, 0, 0}) == vec3(0, 0, 0));
+}
+
+TEST_CASE("a superellipsoid bends as its support function moves") {
+  generator random{std::mt19937_64(10)};
+  for (int k = 0; k < 300; ++k) {
+    const superellipsoid s{
+        {random(0.3, 1), random(0.3, 1), random(0.3, 1)}, random(2, 8), random(2, 8)};
+    vec3 d = random.direction();
+    if (d.cwiseAbs().minCoeff() < 0.1) continue;  // where it is not flat
+    const mat3 m = s.bend(d);
+    const vec3 t = d.cross(random.direction()).normalized();
+    constexpr real step = 1e-5;
+    const vec3 moved = (s.support(d + step * t) - s.support(d - step * t)) / (2 * step);
+    CHECK((m * t - moved).norm() < 1e-5 * (1 + moved.norm()));
+    CHECK((m * d).norm() < 1e-12 * (1 + moved.norm()));
+  }
+}
+
+TEST_CASE("the chord of a line in a superellipsoid ends on its surface") {
+  generator random{std::mt19937_64(11)};
+  int hits = 0, misses = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const superellipsoid s{{random(0.3, 1), random(0.3, 1), random(0.3, 1)},
+                           k % 5 == 0 ? 8 : random(2, 8),
+                           k % 7 == 0 ? 8 : random(2, 8)};
+    const vec3 p = random.point(1), d = random(0.5, 2) * random.direction();
+    const chord c = s.chord(p, k % 11 == 0 ? vec3(0, 0, -2) : d);
+    const vec3 way = k % 11 == 0 ? vec3(0, 0, -2) : d;
+    real least = 1e9;
+    for (int m = -300; m <= 300; ++m) least = std::min(least, s.level(p + (0.02 * m) * way).value);
+    if (c.empty()) {
+      CHECK(least > 1 - 1e-4);
+      ++misses;
+      continue;
+    }
+    ++hits;
+    CHECK(std::abs(s.level(p + c.from * way).value - 1) < 1e-12);
+    CHECK(std::abs(s.level(p + c.to * way).value - 1) < 1e-12);
+    CHECK(s.level(p + 0.5 * (c.from + c.to) * way).value < 1);
+  }
+  CHECK(hits > 500);
+  CHECK(misses > 500);
 }
 
 TEST_CASE("support, bounds, volume and inertia of polyhedra agree") {
@@ -365,6 +481,15 @@ TEST_CASE("impossible shapes are refused by name") {
     check_refused(cylinder{r, 1}, "radius of a cylinder");
     check_refused(cylinder{1, r}, "length of a cylinder");
   }
+  for (const real r : {0., -1., nan_, inf_, 1e-121, 1e121}) {
+    check_refused(superellipsoid{{r, 1, 1}}, "x radius of a superellipsoid");
+    check_refused(superellipsoid{{1, r, 1}}, "y radius of a superellipsoid");
+    check_refused(superellipsoid{{1, 1, r}}, "z radius of a superellipsoid");
+  }
+  check_refused(superellipsoid{{1, 1, 1}, 1.99, 3}, "but are 1.99 and 3");
+  check_refused(superellipsoid{{1, 1, 1}, 3, 8.5}, "but are 3 and 8.5");
+  check_refused(superellipsoid{{1, 1, 1}, nan_, 3}, "but are nan and 3");
+  check_refused(superellipsoid{{1, 1, 1}, 3, inf_}, "but are 3 and inf");
   for (const real r : {1e-300, 1e-121, 1e121, 1e300}) {
     const char* what = "beyond what numbers can hold";
     check_refused(sphere{r}, what);

@@ -29,7 +29,7 @@ done
 for pattern in 'talus::plane\b' '(\b|[^y]_)orientation\b' 'turned' 'MPI_' 'boost::mpi' 'talus::threads' \
   'thread_team' 'std::thread' 'pthread_create' 'talus::domain<' 'grid_cells::owner' 'detail::migrate<' \
   'share_shadow_copies' 'share_velocities' 'connection_checker' 'talus::(capsule|cylinder)\b' \
-  'polyhedron' 'union_of' 'convex_' '\bshared_(memory|data)'; do
+  'polyhedron' 'union_of' 'convex_' '\bshared_(memory|data)' 'may_touch|note_filters|pair_body|contact_filters'; do
   absent "$pattern"
 done
 

@@ -136,6 +136,22 @@ TEST_CASE("critical_dt takes the impact speed from motion and falls, or as an ar
                        std::invalid_argument);
 }
 
+TEST_CASE("critical_dt takes a body with a mass of its own for as large as it is") {
+  const auto of = [&](real density, bool own) {
+    serial::link link;
+    world<hertz_verlet> w(link);
+    w.material({.density = density, .restitution = 1, .youngs_modulus = 1e7});
+    for (const real x : {0., 5.}) {
+      body b{.shape = sphere{radius}, .position = {x, 0, 0}};
+      if (own) b.mass = 2500 * b.shape.volume();
+      w.add(b);
+    }
+    return critical_dt(w, 200);
+  };
+  CHECK(of(2.5, true) == doctest::Approx(of(2500, false)).epsilon(1e-12));
+  CHECK(of(2.5, false) < 0.5 * of(2500, false));
+}
+
 TEST_CASE("the summary warns of contacts with fewer than 20 steps, at the speed that occurred") {
   const auto figures = [&](real part) {
     serial::link link;

@@ -92,10 +92,21 @@ class Foreign(unittest.TestCase):
             with_array(self.folder / file, name, lambda g, n: g.__setitem__(n, np.full(COUNT, 6, "u1")))
         self.assertEqual(set(talus.open(self.folder / "o")[0].shapes), {"own"})
         head = json.loads(self.server.ask()[1])["heads"][0]
-        self.assertEqual(len(head["forms"]), COUNT)
+        self.assertEqual((len(head["forms"]), head["shapes"]), (COUNT, "own\n"))
         with urllib.request.urlopen(f"http://{self.server.host}/{self.server.token}/frame/0") as answer:
             begin = head["blocks"]["new_shape"][1]
-            self.assertEqual(set(answer.read()[begin:begin + COUNT]), {4})
+            self.assertEqual(set(answer.read()[begin:begin + COUNT]), {7})
+
+    def test_shapes_of_ones_own_keep_their_names_in_pages(self):
+        numbers = np.array([6, 7] * (COUNT // 2), "u1")
+        for file, name in (BODIES, "VTKHDF/PointData/shape"), (SURFACES, "VTKHDF/CellData/shape"):
+            with_array(self.folder / file, name, lambda g, n: g.__setitem__(n, numbers))
+        with_array(self.folder / BODIES, "VTKHDF/FieldData/own_shapes", lambda g, n: g.__setitem__(n, np.frombuffer(b"lens\nwheel_nut\n", "u1")))
+        head = json.loads(self.server.ask()[1])["heads"][0]
+        self.assertEqual((head["shapes"], len(head["forms"])), ("lens\nwheel_nut\n", COUNT))
+        with urllib.request.urlopen(f"http://{self.server.host}/{self.server.token}/frame/0") as answer:
+            begin = head["blocks"]["new_shape"][1]
+            self.assertEqual(sorted(answer.read()[begin:begin + COUNT]), sorted(numbers + 1))
 
     def test_what_leads_to_other_files_is_refused(self):
         other = self.outer / "other.hdf"

@@ -34,7 +34,7 @@ template <class B, class Sink>
 requires(std::is_same_v<B, sphere> ||
          std::is_same_v<B, box>) void collide(const searched_mesh& a, const pose& pa, const B& b,
                                               const pose& pb, real margin, Sink&& sink) {
-  collide(static_cast<const triangle_mesh&>(a), pa, b, pb, margin, sink);
+  collide_pair(static_cast<const triangle_mesh&>(a), pa, b, pb, margin, sink);
 }
 
 template <class Mesh, class... Rest>

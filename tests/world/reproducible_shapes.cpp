@@ -6,6 +6,7 @@
 #include <talus/scene/lattice.hpp>
 #include <talus/shape/box.hpp>
 #include <talus/shape/capsule.hpp>
+#include <talus/shape/superellipsoid.hpp>
 #include <talus/shape/union_of.hpp>
 
 namespace {
@@ -43,6 +44,31 @@ TEST_CASE("a heap of boxes with friction has the same bits on any ranks") {
       [](auto& w) {
         fill(w, 150, [](random_stream& random) {
           return body{.shape = box{random.uniform(vec3(0.4, 0.4, 0.3), vec3(0.7, 0.6, 0.6))}};
+        });
+      },
+      nothing);
+}
+
+TEST_CASE("a heap of superellipsoids beside spheres and boxes has the same bits on any ranks") {
+  check_same<heap<superellipsoid, sphere, box>>(
+      300,
+      [](auto& w) {
+        fill(w, 80, [](random_stream& random) {
+          const real n1 = random.uniform(2.0, 8.0), n2 = random.uniform(2.0, 8.0);
+          return body{.shape = superellipsoid{
+                          random.uniform(vec3(0.2, 0.2, 0.2), vec3(0.4, 0.4, 0.4)), n1, n2}};
+        });
+        const auto above = [&](double z) {
+          return simple_cubic{.spacing = 1.1, .origin = {-3.3, -3.3, z}} &
+                 vertical_cylinder{.radius = 3.6};
+        };
+        w.fill(above(4.5).first(30), [](const site& place, random_stream& random) {
+          return body{.shape = sphere{random.uniform(0.2, 0.4)}, .position = place.position};
+        });
+        w.fill(above(6).first(30), [&](const site& place, random_stream& random) {
+          return body{.shape = box{{0.5, 0.4, 0.6}},
+                      .position = place.position,
+                      .orientation = any_turn(random)};
         });
       },
       nothing);

@@ -1,5 +1,6 @@
 #pragma once
 // bodies<...>: the shapes of a scenario. Nothing is compiled or stored for other shapes.
+#include <concepts>
 #include <type_traits>
 
 #include "talus/concepts.hpp"
@@ -10,15 +11,91 @@ namespace talus {
 
 namespace detail {
 
+/// The parts of a shape, one by one, so that the compiler says which of them is missing.
 template <class Shape>
-struct is_shape : std::bool_constant<concepts::shape<Shape>> {};
+struct parts_of_shape {
+  static constexpr bool named = requires {
+    { Shape::name } -> std::convertible_to<const char*>;
+  };
+  static constexpr bool bounded = requires {
+    { Shape::finite } -> std::convertible_to<bool>;
+    { Shape::isotropic } -> std::convertible_to<bool>;
+  };
+  static constexpr bool validated = requires(const Shape& s) {
+    { s.validate() } -> std::same_as<void>;
+  };
+  static constexpr bool value = std::semiregular<Shape>;
+  static constexpr bool supported = requires(const Shape& s, const vec3& v) {
+    { s.support(v) } -> std::convertible_to<vec3>;
+  };
+  static constexpr bool reaching = requires(const Shape& s) {
+    { s.bounding_radius() } -> std::convertible_to<real>;
+  };
+  static constexpr bool boxed = requires(const Shape& s, const pose& at) {
+    { s.half_extents(at) } -> std::convertible_to<vec3>;
+  };
+  static constexpr bool massive = requires(const Shape& s) {
+    { s.volume() } -> std::convertible_to<real>;
+    { s.inertia() } -> std::convertible_to<vec3>;
+  };
+  static constexpr bool infinite = [] {
+    if constexpr (bounded)
+      return !Shape::finite;
+    else
+      return false;
+  }();
+  /// Whether the type is meant as a shape.
+  static constexpr bool begun =
+      named || bounded || validated || supported || reaching || boxed || massive;
+};
+/// What a shape of a user's own may lack. (In the order of `concepts::finite_shape`.)
+template <class Shape>
+struct own_shape {
+  using has = parts_of_shape<Shape>;
+  static_assert(has::value,
+                "a shape of bodies<...> must be copied, compared with == and made without "
+                "arguments: give its members defaults, and write friend bool operator==(const "
+                "S&, const S&) = default");
+  static_assert(has::named,
+                "a shape of bodies<...> has no name: give it static constexpr const char* name = "
+                "\"...\"");
+  static_assert(has::bounded,
+                "a shape of bodies<...> does not say whether it has a volume: give it static "
+                "constexpr bool finite = true, isotropic = false");
+  static_assert(has::validated,
+                "a shape of bodies<...> does not check its numbers: give it void validate() "
+                "const, which throws invalid_argument for wrong ones");
+  static_assert(has::supported || has::infinite,
+                "a shape of bodies<...> has no support function: give it vec3 support(const "
+                "vec3& direction) const, a point furthest along a direction of any length");
+  static_assert(has::reaching || has::infinite,
+                "a shape of bodies<...> has no bounding radius: give it real bounding_radius() "
+                "const, the distance of its furthest point from the centre of mass");
+  static_assert(has::boxed || has::infinite,
+                "a shape of bodies<...> has no bounding box: give it vec3 half_extents(const "
+                "pose& at) const, half the edges of the box around the posed shape");
+  static_assert(has::massive || has::infinite,
+                "a shape of bodies<...> has no mass properties: give it real volume() const and "
+                "vec3 inertia() const, the principal moments per unit of mass");
+};
+
+template <class Shape>
+struct is_shape : std::bool_constant<concepts::finite_shape<Shape> ||
+                                     (concepts::shape<Shape> && parts_of_shape<Shape>::infinite)> {
+};
 
 template <class Shape>
 struct part_of_bodies {
   static_assert(complete<Shape>,
                 "bodies<...> names a shape whose header is missing: write #include "
                 "<talus/mesh.hpp> for triangle_mesh");
-  static_assert(!complete<Shape> || is_shape<Shape>::value,
+  static constexpr bool begun = [] {
+    if constexpr (complete<Shape>) {
+      if constexpr (parts_of_shape<Shape>::begun) return examined<own_shape<Shape>>;
+    }
+    return false;
+  }();
+  static_assert(!complete<Shape> || begun || is_shape<Shape>::value,
                 "bodies<...> takes shapes only, such as sphere, box or plane, and this type is "
                 "not one: remove it, or make it model talus::concepts::shape");
 };

@@ -16,20 +16,8 @@ enum body_flag : std::uint8_t {
   flag_invisible = 2,
   flag_asleep = 4,     ///< its island is left out of the steps
   flag_disturbed = 8,  ///< of something immovable: the user added or changed it since the last step
-  flag_released = 16   ///< it was fixed; until all ranks that hold copies are notified
-};
-
-/// The effect of springs and dashpots of soft contacts on a body, separately; the rest of the force
-/// is friction. Two cache lines.
-struct alignas(64) split_forces {
-  vec3 spring{0, 0, 0};
-  real fourth_of_spring = 0;  ///< padding of the rows to four numbers, as are the others
-  vec3 spring_torque{0, 0, 0};
-  real fourth_of_spring_torque = 0;
-  vec3 dashpot{0, 0, 0};
-  real fourth_of_dashpot = 0;
-  vec3 dashpot_torque{0, 0, 0};
-  real fourth_of_dashpot_torque = 0;
+  flag_released = 16,  ///< it was fixed; until all ranks that hold copies are notified
+  flag_own_mass = 32   ///< it is fixed, and its store keeps the mass that it has when released
 };
 
 /// How far a body has moved by its velocity while it was slow, in a third of the time after which
@@ -156,11 +144,12 @@ struct torque {
   };
   static constexpr auto member = &storage::torque;
 };
-/// The sum of the present contact forces on a body, world frame.
+/// The sum of the present contact forces on a body, world frame. Its owner alone needs it.
 struct contact_force {
   using value_type = vec3;
   static constexpr const char *name = "contact_force", *unit = "M L/T^2";
   static constexpr int place = 3;
+  static constexpr travels travel = travels::on_migration;
   template <class Shape>
   static constexpr bool carried_by = Shape::finite;
   struct storage {
@@ -173,6 +162,7 @@ struct contact_torque {
   using value_type = vec3;
   static constexpr const char *name = "contact_torque", *unit = "M L^2/T^2";
   static constexpr int place = 4;
+  static constexpr travels travel = travels::on_migration;
   template <class Shape>
   static constexpr bool carried_by = Shape::finite;
   struct storage {
@@ -180,22 +170,10 @@ struct contact_torque {
   };
   static constexpr auto member = &storage::contact_torque;
 };
-/// The sum of both, by parts.
-struct split {
-  using value_type = split_forces;
-  static constexpr const char *name = "split_forces", *unit = "M L/T^2";
-  static constexpr int place = 5;
-  template <class Shape>
-  static constexpr bool carried_by = Shape::finite;
-  struct storage {
-    plain_vector<split_forces> split;
-  };
-  static constexpr auto member = &storage::split;
-};
 struct user_id {
   using value_type = std::uint32_t;
   static constexpr const char* name = "user_id";
-  static constexpr int place = 6;
+  static constexpr int place = 5;
   static constexpr travels travel = travels::when_changed;
   static constexpr bool in_output = true;
   struct storage {
@@ -207,7 +185,7 @@ struct user_id {
 struct quiet {
   using value_type = float;
   static constexpr const char *name = "quiet", *unit = "T";
-  static constexpr int place = 7;
+  static constexpr int place = 6;
   template <class Shape>
   static constexpr bool carried_by = Shape::finite;
   struct storage {
@@ -221,7 +199,7 @@ struct unborne {
   using value_type = float;
   static constexpr float initial = std::numeric_limits<float>::max();
   static constexpr const char *name = "unborne", *unit = "T";
-  static constexpr int place = 8;
+  static constexpr int place = 7;
   template <class Shape>
   static constexpr bool carried_by = Shape::finite;
   struct storage {
@@ -232,7 +210,7 @@ struct unborne {
 struct drift {
   using value_type = drift_while_slow;
   static constexpr const char* name = "drift";
-  static constexpr int place = 9;
+  static constexpr int place = 8;
   static constexpr travels travel = travels::on_migration;
   template <class Shape>
   static constexpr bool carried_by = Shape::finite;

@@ -21,6 +21,10 @@ struct continuous_collision;
 /// Bodies carry a film of liquid, which bridges between them take and give back:
 /// <talus/liquid.hpp>.
 struct surface_liquid;
+/// Bodies and materials that do not touch each other: <talus/filters.hpp>.
+struct contact_filters;
+/// Contacts that begin and end, impacts, bodies that enter and leave regions: <talus/events.hpp>.
+struct events;
 
 /// Spheres carry an orientation too. (Boxes always do.)
 struct orientation final {
@@ -179,12 +183,11 @@ struct contact_forces final {
   using talus_part_of = roles::features;
   using columns = type_list<columns::contact_force, columns::contact_torque>;
 };
-/// Bodies keep the force and torque of their contacts, split into springs and dashpots.
-/// Not for users: the energy ledger of soft contacts requires it.
-struct split_contact_forces final {
+/// What springs and dashpots of soft contacts do: the energy ledger requires it.
+struct contact_flows final {
   using talus_inside = void;
   using talus_part_of = roles::features;
-  using columns = type_list<columns::split>;
+  using columns = type_list<>;
   struct record;
 };
 /// What motors, springs and friction of joints do: the energy ledger requires it in scenarios with
@@ -218,6 +221,18 @@ inline constexpr bool checkpoints_may_differ<Feature> = Feature::checkpoints_may
 
 /// Stands for the argument of a hook.
 struct any_stage {};
+/// Whether a feature has a hook that keeps pairs of bodies apart; see pairs/filtered_pairs.hpp.
+template <class Feature>
+inline constexpr bool filters_pairs = false;
+template <with_hooks Feature>
+requires(!built_in<Feature>) inline constexpr bool filters_pairs<Feature> =
+    requires(const any_stage& pair) {
+  Feature::hooks::may_touch(pair);
+};
+template <class Features>
+inline constexpr bool some_filter_pairs = false;
+template <class... Features>
+inline constexpr bool some_filter_pairs<type_list<Features...>> = (filters_pairs<Features> || ...);
 template <class Hooks, class... Stages>
 [[nodiscard]] consteval bool names_a_stage(type_list<Stages...>) {
   return (requires(any_stage & s) { Stages::template call<Hooks>(s); } || ...);
@@ -225,7 +240,7 @@ template <class Hooks, class... Stages>
 template <class Feature>
 [[nodiscard]] consteval bool hooks_are_known() {
   if constexpr (with_hooks<Feature> && !built_in<Feature>)
-    return names_a_stage<typename Feature::hooks>(stages::all{});
+    return names_a_stage<typename Feature::hooks>(stages::all{}) || filters_pairs<Feature>;
   else
     return true;
 }
@@ -240,8 +255,8 @@ struct part_of_features {
                 "features<...> takes a feature with a name and with columns, a state or hooks, and "
                 "this type has not all of that: docs/features.md says how a feature is written");
   static_assert(!is_feature<Feature>::value || hooks_are_known<Feature>(),
-                "the hooks of a feature are static functions named after the stages of a step, and "
-                "this feature has none of these names: docs/features.md lists them");
+                "the hooks of a feature are static functions named after the stages of a step, or "
+                "may_touch, and this feature has none of these names: docs/features.md lists them");
   static_assert(!is_feature<Feature>::value ||
                     are_columns<typename columns_of_feature<Feature>::type>,
                 "the columns of a feature are a type_list of descriptions with a value_type and a "

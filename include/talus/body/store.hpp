@@ -1,10 +1,12 @@
 #pragma once
 // Storage of the bodies of one shape: structure of arrays, locals before shadow copies. Columns
 // that the scenario does not need do not exist.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "talus/body/column.hpp"
 #include "talus/body/columns.hpp"
@@ -20,6 +22,42 @@ template <class Columns>
 struct column_storage;
 template <class... Columns>
 struct column_storage<type_list<Columns...>> : column_member<Columns>::storage... {};
+
+/// Inverse masses that fixed bodies have when they are released, of those with a mass other than
+/// density times volume: few or none.
+class kept_masses {
+ public:
+  void keep(system_id id, real inverse) {
+    const auto at = place_of(id);
+    if (at != all_.end() && at->id == id)
+      all_[static_cast<std::size_t>(at - all_.begin())].inverse = inverse;
+    else
+      all_.insert(at, {id, inverse});
+  }
+  void forget(system_id id) {
+    const auto at = place_of(id);
+    if (at != all_.end() && at->id == id) all_.erase(at);
+  }
+  /// 0 if there is none.
+  [[nodiscard]] real inverse_of(system_id id) const {
+    const auto at = place_of(id);
+    return at != all_.end() && at->id == id ? at->inverse : 0;
+  }
+  [[nodiscard]] bool empty() const { return all_.empty(); }
+
+ private:
+  struct entry {
+    system_id id;
+    real inverse;
+  };
+  /// Of the first entry that is not before `id`.
+  [[nodiscard]] std::vector<entry>::const_iterator place_of(system_id id) const {
+    return std::lower_bound(all_.begin(), all_.end(), id,
+                            [](const entry& e, system_id x) { return e.id < x; });
+  }
+
+  std::vector<entry> all_;  ///< sorted by id
+};
 
 /// All columns of the bodies of a shape.
 template <class Shape, class Features>
@@ -42,11 +80,11 @@ struct body_store : column_storage<typename columns_of_bodies<Shape, Features>::
       Shape::finite && !Shape::isotropic;  ///< inertia is not a multiple of 1
   static constexpr bool forced = has<columns::force>;
   static constexpr bool keeps_contact_forces = has<columns::contact_force>;
-  static constexpr bool splits_forces = has<columns::split>;
   static constexpr bool sleeps = has<columns::quiet>;
   static constexpr bool numbered = has<columns::user_id>;
 
   std::size_t locals = 0;  ///< bodies [0, locals) are owned here, the rest are shadow copies
+  kept_masses kept;        ///< of bodies with flag_own_mass
 
   [[nodiscard]] std::size_t size() const { return this->id.size(); }
 
@@ -91,6 +129,17 @@ struct body_store : column_storage<typename columns_of_bodies<Shape, Features>::
       return {this->position[i], quat{1, 0, 0, 0}};
   }
   [[nodiscard]] bool fixed(std::size_t i) const { return this->flags[i] & flag_fixed; }
+  [[nodiscard]] bool keeps_mass(std::size_t i) const { return this->flags[i] & flag_own_mass; }
+  /// Gives a fixed body the inverse mass that it has when it is released.
+  void keep_mass(std::size_t i, real inverse) {
+    this->flags[i] |= flag_own_mass;
+    kept.keep(this->id[i], inverse);
+  }
+  void forget_mass(std::size_t i) {
+    if (!keeps_mass(i)) return;
+    this->flags[i] &= static_cast<std::uint8_t>(~flag_own_mass);
+    kept.forget(this->id[i]);
+  }
   [[nodiscard]] bool asleep(std::size_t i) const {
     if constexpr (sleeps)
       return this->flags[i] & flag_asleep;
@@ -109,7 +158,15 @@ struct body_store : column_storage<typename columns_of_bodies<Shape, Features>::
   void resize(std::size_t n) {
     each_column([&](auto& c) { c.resize(n); });
   }
-  void drop_shadows() { resize(locals); }
+  void drop_shadows() {
+    resize(locals);
+    if (kept.empty()) return;
+    // A shadow copy may be an image of a local, so the masses of locals are kept.
+    kept_masses of_locals;
+    for (std::size_t i = 0; i < locals; ++i)
+      if (keeps_mass(i)) of_locals.keep(this->id[i], kept.inverse_of(this->id[i]));
+    kept = std::move(of_locals);
+  }
   /// Removes the shadow copies.
   [[nodiscard]] body_store take_shadows() {
     body_store taken;
@@ -135,6 +192,7 @@ struct body_store : column_storage<typename columns_of_bodies<Shape, Features>::
   }
   /// Removes local `i`: the last local takes its place. The shadow copies keep their order.
   void remove_local(std::size_t i) {
+    forget_mass(i);
     each_column([&](auto& c) {
       c[i] = c[locals - 1];
       c.erase(c.begin() + static_cast<std::ptrdiff_t>(locals - 1));
@@ -151,6 +209,7 @@ struct body_store : column_storage<typename columns_of_bodies<Shape, Features>::
   /// Appends body `i` of another store.
   void append_from(const body_store& other, std::size_t i) {
     each_column_with(other, [&](auto& c, const auto& from) { c.push_back(from[i]); });
+    if (other.keeps_mass(i)) kept.keep(other.id[i], other.kept.inverse_of(other.id[i]));
   }
 
   /// Appends bodies [first, last) of another store.
@@ -188,6 +247,8 @@ struct body_store : column_storage<typename columns_of_bodies<Shape, Features>::
   template <travels Least>
   void pack_columns(std::size_t i, byte_writer& out) const {
     each_column<sent<Least>>([&](const auto& c) { out.put(c[i]); });
+    if constexpr (Least != travels::with_every_refresh)
+      if (keeps_mass(i)) out.put(kept.inverse_of(this->id[i]));
   }
   template <travels Least>
   void append_columns(byte_reader& in) {
@@ -195,6 +256,7 @@ struct body_store : column_storage<typename columns_of_bodies<Shape, Features>::
       c.push_back(in.get<typename std::remove_cvref_t<decltype(c)>::value_type>());
     });
     each_initial<rest<Least>>([&](auto& c, const auto& initial) { c.push_back(initial); });
+    if (keeps_mass(size() - 1)) kept.keep(this->id.back(), in.get<real>());
   }
 };
 

@@ -16,7 +16,6 @@
 #include "talus/io/detail/shape_surface_definitions.hpp"
 #include "talus/io/detail/system_file_definitions.hpp"
 #include "talus/io/detail/team_writer_definitions.hpp"
-#include "talus/io/detail/vtk_bodies_definitions.hpp"
 #include "talus/io/detail/vtk_contacts_definitions.hpp"
 #include "talus/io/detail/vtk_file_definitions.hpp"
 #include "talus/io/detail/vtk_joints_definitions.hpp"

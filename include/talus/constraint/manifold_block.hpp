@@ -216,6 +216,7 @@ struct manifold_work {
       c.correction_impulse = next;
       const Pack my = d * c.arm.z, mz = zero - d * c.arm.y;
       impulse += d, moment_y += my, moment_z += mz;
+      if (k + 1 == p.depth) break;
       if constexpr (paired) {
         n += p.vv.x.x * d + p.wv.x.y * my + p.wv.x.z * mz;
         y += p.wv.x.y * d + p.ww.y.y * my + p.ww.y.z * mz;

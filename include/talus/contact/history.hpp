@@ -24,6 +24,7 @@ struct kept_contact {
 template <class Memory>
 class history_of {
  public:
+  using memory = Memory;
   using entry = kept_contact<Memory>;
 
   void clear() { reset(0); }

@@ -1,63 +1,154 @@
 #pragma once
-// Many numbers added to an exact sum at about the cost of additions.
+// Many numbers added to an exact sum, eight at once.
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "talus/core/exact_sum.hpp"
+#include "talus/core/pack.hpp"
 
 namespace talus::detail {
 
-/// Collects numbers for an exact sum: their mantissas add up separately for each exponent (the
-/// large accumulator of Neal 2015). The sum has them after flush().
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+/// Collects numbers for an exact sum, and adds them up lane by lane: each is split at fixed places
+/// into parts whose sums are exact (Rump 2009; Demmel, Nguyen 2015). What is below the lowest part
+/// goes to the sum directly. The sum has all of them after flush().
 template <class Sum>
 class exact_batch {
  public:
+  using number = pack<double, 8>;
+  using bits_of_numbers = mask_of<number>;
+
   explicit exact_batch(Sum& sum) : sum_(sum) {}
   exact_batch(const exact_batch&) = delete;
   exact_batch& operator=(const exact_batch&) = delete;
   ~exact_batch() { flush(); }
 
   [[gnu::always_inline]] inline exact_batch& operator+=(double x) {
-    const auto word = std::bit_cast<std::uint64_t>(x);
-    const std::size_t exponent = word >> 52 & 0x7ff;
-    if (exponent == 0 || exponent == not_finite) [[unlikely]] {
-      sum_ += x;
-      return *this;
-    }
-    const auto mantissa = static_cast<std::int64_t>((word & (one - 1)) | one);
-    parts_[exponent] += x < 0 ? -mantissa : mantissa;
-    lowest_ = std::min(lowest_, exponent), highest_ = std::max(highest_, exponent);
-    if (++count_ == most) [[unlikely]]
-      flush();
+    waiting_[count_] = x;
+    if (++count_ >= block) [[unlikely]]
+      add_block();
     return *this;
   }
   [[gnu::always_inline]] inline exact_batch& operator-=(double x) { return *this += -x; }
+  [[gnu::always_inline]] inline exact_batch& operator+=(const number& x) {
+    std::memcpy(&waiting_[count_], &x, sizeof x);
+    if ((count_ += lanes) >= block) [[unlikely]]
+      add_block();
+    return *this;
+  }
 
   [[gnu::noinline]] void flush() {
-    for (std::size_t e = lowest_; e <= highest_; ++e) {
-      if (parts_[e] == 0) continue;
-      const bool negative = parts_[e] < 0;
-      const auto size = static_cast<std::uint64_t>(negative ? -parts_[e] : parts_[e]);
-      sum_.add(digits_of_number(size, static_cast<int>(e) - 1), negative);
-      parts_[e] = 0;
+    if (count_ >= lanes) {
+      std::fill(waiting_.begin() + static_cast<std::ptrdiff_t>(count_), waiting_.end(), 0);
+      count_ = block;
+      add_block();
     }
-    lowest_ = not_finite, highest_ = 0, count_ = 0;
+    for (std::size_t k = 0; k < count_; ++k) sum_ += waiting_[k];
+    count_ = 0;
+    if (!used_) return;
+    spill();
+    if constexpr (std::is_same_v<Sum, exact_sum>) {
+      exact_sum::cancel(all_.plus, all_.minus);
+      sum_ += all_.plus;
+    } else {
+      sum_ += all_;
+    }
+    all_ = {}, used_ = false;
   }
 
  private:
-  static constexpr std::uint64_t one = std::uint64_t{1} << 52;
-  static constexpr std::size_t not_finite = 0x7ff;
-  static constexpr int most = 1000;  ///< mantissas of 53 bits that fit into 63 bits
+  static constexpr std::size_t lanes = 8, packs = 8, block = packs * lanes, parts = 3;
+  static constexpr int width = 41;           ///< binary digits of a part
+  static constexpr std::uint32_t most = 64;  ///< blocks whose parts of 40 digits fit into 52
 
+  [[gnu::noinline]] void add_block() {
+    used_ = true;
+    number x[packs], size{};
+    std::memcpy(x, waiting_.data(), sizeof x);
+    for (const number& p : x) size += size_of_lanes(p);
+    bool fits = true;
+    for (std::size_t l = 0; l < lanes; ++l) fits &= size[l] < limit_;
+    if (!fits) [[unlikely]]
+      raise(x);
+    bits_of_numbers left{};
+    number sums[parts];
+    std::memcpy(sums, part_.data(), sizeof sums);
+    const number cuts[parts] = {every_lane<number>(cut_[0]), every_lane<number>(cut_[1]),
+                                every_lane<number>(cut_[2])};
+    for (number& p : x) {
+      for (std::size_t k = 0; k < parts; ++k) {
+        const number part = (p + cuts[k]) - cuts[k];
+        sums[k] += part;
+        p -= part;
+      }
+      left |= reinterpret_cast<bits_of_numbers>(p);
+    }
+    std::memcpy(part_.data(), sums, sizeof sums);
+    std::int64_t any = 0;
+    for (std::size_t l = 0; l < lanes; ++l) any |= left[l];
+    if (any << 1 != 0) [[unlikely]]  // besides signs
+      for (const number& p : x)
+        for (std::size_t l = 0; l < lanes; ++l) all_ += p[l];
+    std::memcpy(waiting_.data(), &waiting_[block], lanes * sizeof(double));
+    count_ -= block;
+    if (++blocks_ == most) [[unlikely]]
+      spill();
+  }
+  /// For a block with numbers that are larger than those before, or not finite.
+  [[gnu::noinline]] void raise(number (&x)[packs]) {
+    spill();
+    double largest = 0;
+    for (number& p : x)
+      for (std::size_t l = 0; l < lanes; ++l) {
+        const double size = std::abs(p[l]);
+        if (size <= too_large) {
+          largest = std::max(largest, size);
+        } else {
+          sum_ += p[l];
+          p[l] = 0;
+        }
+      }
+    if (largest < limit_) return;
+    // The first part begins a few digits above the number, so that this is rare.
+    const int top = std::max(std::ilogb(largest) + 9, lowest);
+    limit_ = std::ldexp(1, top);
+    for (std::size_t k = 0; k < parts; ++k)
+      cut_[k] = std::ldexp(1.5, top - (width - 1) - static_cast<int>(k) * width + 52);
+  }
+  [[gnu::noinline]] void spill() {
+    if (blocks_ == 0) return;
+    blocks_ = 0;
+    for (number& part : part_) {
+      double of_lanes = 0;  // exact
+      for (std::size_t l = 0; l < lanes; ++l) of_lanes += part[l];
+      all_ += of_lanes;
+      part = number{};
+    }
+  }
+
+  static constexpr double too_large = 0x1p900;
+  static constexpr int lowest = -800;  ///< so that the units of all parts are normal numbers
+
+  std::size_t count_ = 0;
+  std::array<double, block + lanes> waiting_;
+  std::uint32_t blocks_ = 0;
+  bool used_ = false;  ///< blocks were added since the last flush
+  double limit_ = 0;
+  std::array<double, parts> cut_{};
+  std::array<number, parts> part_{};
+  signed_sum all_;  ///< of the blocks: parts of numbers > 0 may be below 0
   Sum& sum_;
-  std::size_t lowest_ = not_finite, highest_ = 0;
-  int count_ = 0;
-  std::array<std::int64_t, not_finite> parts_{};
 };
 template <class Sum>
 exact_batch(Sum&) -> exact_batch<Sum>;
+
+#pragma GCC diagnostic pop
 
 }  // namespace talus::detail

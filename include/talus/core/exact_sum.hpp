@@ -65,6 +65,29 @@ class exact_sum {
     broken_ |= other.broken_;
     return *this;
   }
+  /// Adds `x` times a number > 0, exactly: what is below the smallest number is dropped.
+  void add_product(exact_sum x, double factor) {
+    int exponent = 0;
+    const double mantissa = std::ldexp(std::frexp(factor, &exponent), 53);
+    const auto all = static_cast<std::uint64_t>(mantissa);
+    constexpr int half = 27;
+    const std::uint64_t low = all & ((std::uint64_t{1} << half) - 1), high = all >> half;
+    x.carry(), carry();
+    broken_ |= x.broken_;
+    for (std::size_t k = 0; k < digits; ++k) {
+      if (x.digits_[k] == 0) continue;
+      const auto add_at = [&](std::uint64_t product, int at) {
+        if (at < 0) product = at > -64 ? product >> -at : 0, at = 0;
+        const digits_of_number of(product, at);
+        if (of.first + of.digits.size() > digits)
+          broken_ = 1;
+        else
+          add(of, false);
+      };
+      const int at = static_cast<int>(k) * bits + exponent - 53;
+      add_at(x.digits_[k] * low, at), add_at(x.digits_[k] * high, at + half);
+    }
+  }
   /// Takes from both sums what they have in common: one of them is 0 afterwards.
   static void cancel(exact_sum& a, exact_sum& b) {
     a.carry(), b.carry();
@@ -136,6 +159,14 @@ struct signed_sum {
   signed_sum& operator-=(const signed_sum& x) {
     plus += x.minus, minus += x.plus;
     return *this;
+  }
+  /// The sum times a number >= 0, exactly.
+  [[nodiscard]] signed_sum times(double factor) const {
+    signed_sum rest = *this, product;
+    if (factor == 0) return product;
+    exact_sum::cancel(rest.plus, rest.minus);
+    product.plus.add_product(rest.plus, factor), product.minus.add_product(rest.minus, factor);
+    return product;
   }
   /// The nearest number, or one of the two nearest.
   [[nodiscard]] double value() const {

@@ -9,10 +9,7 @@ namespace talus {
 
 struct motors;
 struct cohesion;
-inline namespace talus_has_no_ellipsoids_take_a_convex_polyhedron_or_a_union_of_spheres {
-struct ellipsoid;
-}
-inline namespace talus_has_no_superquadrics_take_a_convex_polyhedron_or_a_union_of_spheres {
+inline namespace talus_calls_superquadrics_superellipsoid {
 struct superquadric;
 }
 inline namespace talus_has_no_height_fields_take_a_triangle_mesh {
@@ -29,8 +26,6 @@ inline constexpr bool is_missing<motors> = true;
 template <>
 inline constexpr bool is_missing<cohesion> = true;
 template <>
-inline constexpr bool is_missing<ellipsoid> = true;
-template <>
 inline constexpr bool is_missing<superquadric> = true;
 template <>
 inline constexpr bool is_missing<height_field> = true;
@@ -44,16 +39,11 @@ struct TALUS_REFUSED_NAME(
     "talus has no part 'cohesion': hard_contact<...> takes normal_cohesion, soft_contact<...> "
     "takes jkr_adhesion, dmt_adhesion, linear_cohesion, cohesive_spring or van_der_waals of "
     "<talus/adhesion.hpp>, see docs/adhesion.md") cohesion final {};
-inline namespace talus_has_no_ellipsoids_take_a_convex_polyhedron_or_a_union_of_spheres {
+inline namespace talus_calls_superquadrics_superellipsoid {
 struct TALUS_REFUSED_NAME(
-    "talus has no ellipsoids: take a convex_polyhedron of points on the surface, or a "
-    "union_of<sphere>, see docs/not_there.md") ellipsoid final {};
-}  // namespace talus_has_no_ellipsoids_take_a_convex_polyhedron_or_a_union_of_spheres
-inline namespace talus_has_no_superquadrics_take_a_convex_polyhedron_or_a_union_of_spheres {
-struct TALUS_REFUSED_NAME(
-    "talus has no superquadrics: take a convex_polyhedron of points on the surface, or a "
-    "union_of<sphere>, see docs/not_there.md") superquadric final {};
-}  // namespace talus_has_no_superquadrics_take_a_convex_polyhedron_or_a_union_of_spheres
+    "talus calls superquadrics superellipsoid, with radii and the exponents n1 and n2 from 2 to 8: "
+    "write superellipsoid, see docs/policies/shapes.md") superquadric final {};
+}  // namespace talus_calls_superquadrics_superellipsoid
 inline namespace talus_has_no_height_fields_take_a_triangle_mesh {
 struct TALUS_REFUSED_NAME("talus has no height fields: take a triangle_mesh, see docs/not_there.md")
     height_field final {};

@@ -60,22 +60,35 @@ template <class Pack>
 [[nodiscard]] [[gnu::always_inline]] inline Pack every_lane(lane_of<Pack> x) {
   return x - Pack{};
 }
-/// Lane by lane, b where one of both is not a number (as std::max(b, a)).
-template <class Pack>
-[[nodiscard]] [[gnu::always_inline]] inline Pack larger(const Pack& a, const Pack& b) {
-  return a > b ? a : b;
-}
-
-/// Lane by lane, b where one of both is not a number (as std::min(b, a)).
-template <class Pack>
-[[nodiscard]] [[gnu::always_inline]] inline Pack smaller(const Pack& a, const Pack& b) {
-  return a < b ? a : b;
-}
 /// Lane by lane, a where the mask holds, b elsewhere.
 template <class Mask, class Pack>
 [[nodiscard]] [[gnu::always_inline]] inline Pack choose(const Mask& m, const Pack& a,
                                                         const Pack& b) {
-  return m ? a : b;
+#if !defined(__AVX512F__)
+  // Of packs wider than a register g++ would choose lane by lane.
+  if constexpr (lanes_of < Pack >> 1 && sizeof(Pack) == sizeof(Mask))
+    return reinterpret_cast<Pack>((m & reinterpret_cast<Mask>(a)) |
+                                  (~m & reinterpret_cast<Mask>(b)));
+  else
+#endif
+    return m ? a : b;
+}
+/// Lane by lane, b where one of both is not a number (as std::max(b, a)).
+template <class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline Pack larger(const Pack& a, const Pack& b) {
+  return choose(a > b, a, b);
+}
+/// Lane by lane, b where one of both is not a number (as std::min(b, a)).
+template <class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline Pack smaller(const Pack& a, const Pack& b) {
+  return choose(a < b, a, b);
+}
+/// Lane by lane the number without its sign.
+template <class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline Pack size_of_lanes(const Pack& x) {
+  using mask = mask_of<Pack>;
+  const auto sign = reinterpret_cast<mask>(every_lane<Pack>(lane_of<Pack>(-0.0)));
+  return reinterpret_cast<Pack>(reinterpret_cast<mask>(x) & ~sign);
 }
 
 /// The widest register for a part of the lanes, and its square root.

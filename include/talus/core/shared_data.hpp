@@ -1,9 +1,11 @@
 #pragma once
 // Immutable data that many bodies share, such as the surface of a polyhedron. Bodies hold it by
 // reference, and it is sent to a neighbouring rank only if that rank does not have it.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -35,6 +37,41 @@ struct content_id {
     bytes = bytes.subspan(n);
   }
   return id;
+}
+
+/// What a thread has made of one type of data: it finds all that is in use, and the last ones made.
+template <class Data>
+class made_data {
+ public:
+  static constexpr std::size_t held = 32;  ///< the last ones made, in use or not
+
+  template <class Make>
+  [[nodiscard]] std::shared_ptr<const Data> get(const content_id& name, Make&& make) {
+    std::shared_ptr<const Data> data = all_[name].lock();
+    if (data != nullptr) return data;
+    all_[name] = data = make();
+    last_[next_] = data;
+    next_ = (next_ + 1) % held;
+    if (all_.size() > most_) {
+      std::erase_if(all_, [](const auto& one) { return one.second.expired(); });
+      most_ = 2 * all_.size() + 64;
+    }
+    return data;
+  }
+
+ private:
+  std::map<content_id, std::weak_ptr<const Data>> all_;
+  std::array<std::shared_ptr<const Data>, held> last_;
+  std::size_t next_ = 0, most_ = 64;
+};
+
+/// Data that take long to make: `make()` is called unless this thread has made data of this name
+/// that are in use, or among the last made_data::held. The name is a hash of all that they are made
+/// from.
+template <class Data, class Make>
+[[nodiscard]] std::shared_ptr<const Data> made_once(const content_id& name, Make&& make) {
+  thread_local made_data<Data> made;
+  return made.get(name, make);
 }
 
 /// The shared data that both ends of a channel between two ranks hold. The two ends see the same

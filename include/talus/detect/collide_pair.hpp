@@ -11,14 +11,24 @@ namespace talus {
 namespace detail {
 inline constexpr auto drop_contact = [](const contact_geometry&) {};
 
-/// A function collide(A, pose, B, pose, margin, sink) can be found, in this very order.
+/// A pair function collide(A, pose, B, pose, margin, sink) is found, in this very order.
 template <class A, class B>
-concept collides_in_order = requires(const A& a, const B& b, const pose& p) {
+concept has_pair_function = requires(const A& a, const B& b, const pose& p) {
   collide(a, p, b, p, real(0), drop_contact);
 };
+/// The general routine takes the two shapes, in this very order. A pair function in either order
+/// is preferred to it.
+template <class A, class B>
+concept has_general_routine = requires(const A& a, const B& b, const pose& p) {
+  collide_convex(a, p, b, p, real(0), drop_contact);
+};
+template <class A, class B>
+concept collides_in_order = has_pair_function<A, B> ||
+    (!has_pair_function<B, A> && has_general_routine<A, B>);
 }  // namespace detail
 
-/// A and B can touch: a pair function is found for one of the two orders. Two planes never can.
+/// A and B can touch: a pair function is found for one of the two orders, or the general routine
+/// for convex shapes. Two planes never can.
 template <class A, class B>
 concept collidable = detail::collides_in_order<A, B> || detail::collides_in_order<B, A>;
 
@@ -34,6 +44,11 @@ inline void collide_pair(const A& a, const pose& pa, const B& b, const pose& pb,
   if constexpr (!in_order) {
     const auto swapped = [&](const contact_geometry& c) { sink(c.swapped()); };
     return collide_pair(b, pb, a, pa, margin, swapped);
+  } else if constexpr (!detail::has_pair_function<A, B>) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<Sink>, detail::contact_sink>)
+      collide_convex(a, pa, b, pb, margin, sink);
+    else
+      collide_convex(a, pa, b, pb, margin, detail::contact_sink(sink));
   } else if constexpr (single_point ||
                        std::is_same_v<std::remove_cvref_t<Sink>, detail::contact_sink>) {
     collide(a, pa, b, pb, margin, sink);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "talus/concepts.hpp"
 #include "talus/core/math.hpp"
 #include "talus/detect/detail/convex_view.hpp"
 
@@ -12,8 +13,10 @@ namespace talus::detail {
 /// that of its thinnest part; it is infinite for infinite bodies.
 template <class Shape>
 [[nodiscard]] real half_thickness(const Shape& s) {
-  if constexpr (requires { convex_view<real>(s, pose{}); }) {
-    return convex_view<real>(s, pose{}).smallest();
+  if constexpr (Shape::finite && Shape::isotropic) {
+    return s.bounding_radius();
+  } else if constexpr (concepts::convex_shape<Shape>) {
+    return convex_view<real>(form_of(s), pose{}).smallest();
   } else if constexpr (requires { s.each_part([](const auto&, const pose&) {}); }) {
     real least = s.bounding_radius();
     s.each_part(

@@ -17,7 +17,7 @@ struct momentum_record {
   vector_sum before, after;  ///< momentum of the bodies owned here
   vector_sum gravity, forces, damping;
   vector_sum ground;           ///< from global and fixed bodies
-  vec3 ground_force{0, 0, 0};  ///< of soft contacts, now
+  vec3 ground_force{0, 0, 0};  ///< of soft contacts, when they were computed
   exact_sum mass, size;        ///< of the bodies that can move; sum of |m v|
 
   template <class Visitor>
@@ -85,9 +85,7 @@ void close_momentum(world_state<Scenario>& s) {
 template <class Scenario>
 void open_momentum(world_state<Scenario>& s) {
   momentum_record& r = s.monitors.momentum;
-  const vec3 force = r.ground_force;
   r = {};
-  r.ground_force = force;
   each_moving_local(s, [&](auto& store, std::size_t i, std::size_t) {
     r.before += vec3(store.velocity[i] / store.inverse_mass[i]);
     r.mass += 1 / store.inverse_mass[i];

@@ -253,7 +253,7 @@ void migrate_and_refresh(world_state<Scenario>& s) {
     require_all_here(s);
     run_hooks<ghost_stages::ghosts_renewed>(s);
   }
-  s.changed = false;
+  s.note_changes_sent();
   run_hooks<ghost_stages::after_ghosts>(s);
 }
 
@@ -291,7 +291,7 @@ void notify_neighbours(world_state<Scenario>& s) {
   } else {
     run_hooks<ghost_stages::ghosts_renewed>(s);
   }
-  s.changed = false;
+  s.note_changes_sent();
   run_hooks<ghost_stages::after_ghosts>(s);
 }
 

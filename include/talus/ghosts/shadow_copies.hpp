@@ -279,6 +279,8 @@ void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
   out.put(s.choice.announced);
   out.put(kind);
   run_hooks<ghost_stages::pack_notice>(s, out);
+  if constexpr (world_state<Scenario>::filters)
+    out.put(static_cast<std::uint8_t>(s.filtered.changed));
   copies_reported told;
   std::size_t k = 0;
   s.each_finite_shape([&](const auto& b) {
@@ -333,6 +335,8 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
     s.neighbours[n].reach = message.template get<real>();
     const auto kind = message.template get<copy_message>();
     run_hooks<ghost_stages::unpack_notice>(s, message);
+    if constexpr (world_state<Scenario>::filters)
+      if (message.template get<std::uint8_t>() != 0) s.found.known = false;
     told.push_back(message.template get<copies_reported>());
     moved.push_back(kind == copy_message::motion ? &message : nullptr);
     renewed.push_back(kind == copy_message::all ? &message : nullptr);

@@ -56,8 +56,8 @@ concept in_packs = requires {
   typename Part::template parameters_of<wide_pack<real>>;
   typename Part::template memory_of<wide_pack<real>>;
 };
-/// Whether that is so for the stored energy, too. What a law with a memory along the normal releases
-/// is booked one contact at a time.
+/// Whether that is so for the stored energy, too. What a law with a memory along the normal
+/// releases is booked one contact at a time.
 template <class Law>
 concept stores_in_packs = in_packs<Law> && std::is_empty_v<typename Law::memory> &&
     requires(const contact_kinematics_of<wide_pack<real>>& c,
@@ -270,6 +270,16 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
         ((sum.kept += Resistances::stored(c, b, of<Resistances>(p), of<Resistances>(m))), ...);
       }
     return sum;
+  }
+
+  /// Whether a bond or a neck holds the bodies, also where its force vanishes.
+  [[nodiscard]] static bool is_intact(const memory& m) {
+    bool any = false;
+    each_part([&]<class Part>() {
+      if constexpr (requires { Part::is_intact(of<Part>(m)); })
+        any = any || Part::is_intact(of<Part>(m));
+    });
+    return (void)m, any;
   }
 
   /// The longest stable step of two bodies of this mass, `stiffer` by this factor than on one

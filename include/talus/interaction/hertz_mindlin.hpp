@@ -20,7 +20,9 @@ namespace talus {
 
 /// Interaction law: elastic spheres (Hertz 1882), force with the power 3/2 of the overlap; across
 /// it the stiffness of Mindlin (1949) at no slip; a dashpot that makes restitution independent of
-/// speed (Tsuji, Tanaka, Ishida 1992). A shape that is not a sphere counts as one of its volume.
+/// speed (Tsuji, Tanaka, Ishida 1992). Ellipsoids and other shapes
+/// with `bend(direction)` have the curvatures of the place where they touch; another shape that is
+/// not a sphere counts as one of its volume.
 struct hertz_mindlin final {
   using talus_part_of = roles::contact_law;
   static constexpr const char* name = "hertz_mindlin";

@@ -21,7 +21,7 @@ namespace talus {
 /// place of hertz_mindlin. Bodies attract each other from the first touch until the neck between
 /// them tears, beyond touch: the pull-off force is 1.5 pi w R. Friction has the bound mu (f_n + 3
 /// pi w R) (Thornton, Yin 1991, Powder Technol. 65, 153). A shape that is not a sphere counts as
-/// one of its volume.
+/// one of its volume, an ellipsoid as one with its curvatures at the contact.
 struct jkr_adhesion final {
   using talus_part_of = roles::contact_law;
   static constexpr const char* name = "jkr_adhesion";

@@ -93,6 +93,7 @@ struct parallel_bond final {
       refuse("shear_strength", p.shear_strength, "a positive stress, or infinity");
   }
   [[nodiscard]] static real range(const parameters& p, real /*radius*/) { return p.range; }
+  [[nodiscard]] static bool is_intact(const memory& m) { return m.radius != 0; }
 
   /// The stiffnesses of an intact beam.
   [[nodiscard]] static stiffnesses stiffness(const parameters& p, const memory& m) {

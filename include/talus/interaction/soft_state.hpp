@@ -9,6 +9,7 @@
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/portable_powers.hpp"
+#include "talus/interaction/local_curvature.hpp"
 #include "talus/interaction/pair_parameters.hpp"
 
 namespace talus::detail {
@@ -59,6 +60,24 @@ template <class Shape>
     return s.bounding_radius();
   else
     return portable::cbrt(s.volume() * (3 / (4 * pi)));
+}
+
+/// A bound of the radius that a movable shape has at a contact.
+template <class Shape>
+[[nodiscard]] real widest_radius(const Shape& s) {
+  if constexpr (has_curvatures<Shape>)
+    return s.largest_curvature_radius();
+  else
+    return sphere_radius(s);
+}
+
+/// The radius that a Rayleigh wave runs around: the smallest of a body whose thickness differs.
+template <class Shape>
+[[nodiscard]] real wave_radius(const Shape& s) {
+  if constexpr (requires { s.inner_radius(); })
+    return s.inner_radius();
+  else
+    return sphere_radius(s);
 }
 
 /// The curvature that a wall has in the theory of spheres: faces are flat.

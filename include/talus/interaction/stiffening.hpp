@@ -1,14 +1,11 @@
 #pragma once
 // How much stiffer a body is on several contact points than on one.
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
-#include <type_traits>
 
+#include "talus/concepts.hpp"
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/core/math.hpp"
-#include "talus/shape/capsule.hpp"
-#include "talus/shape/cylinder.hpp"
+#include "talus/shape/convex_form.hpp"
 
 namespace talus::detail {
 
@@ -22,16 +19,8 @@ template <class Shape>
     s.each_part(
         [&](const auto& part, const pose&) { most = std::max(most, most_corners_of_face(part)); });
     return most;
-  } else if constexpr (std::is_same_v<Shape, capsule>) {
-    return 2;
-  } else if constexpr (std::is_same_v<Shape, cylinder>) {
-    return most_corners;
-  } else if constexpr (requires { s.mesh().face_begin; }) {
-    std::uint32_t most = 0;
-    const auto& begin = s.mesh().face_begin;
-    for (std::size_t f = 0; f + 1 < begin.size(); ++f)
-      most = std::max(most, begin[f + 1] - begin[f]);
-    return std::min(static_cast<int>(most), most_corners);
+  } else if constexpr (concepts::convex_shape<Shape>) {
+    return std::min(form_of(s).corners(), most_corners);
   } else {
     return 4;
   }

@@ -94,6 +94,7 @@ template <class Scenario>
       merge_parameters(s, get("/parameters/at_first"), get("/parameters/at_last"));
   keeper.after_call = parameters_of(s);
   get_monitors(in, s);
+  get_lists(in, s);
   get_records(in, w.records());
   get_once(in, keeper.once);
   if constexpr (!world_state<Scenario>::law::soft || monitored<Scenario, residual_monitor>) {

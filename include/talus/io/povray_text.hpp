@@ -8,12 +8,16 @@
 #include <string_view>
 
 #include "talus/body/material.hpp"
+#include "talus/concepts.hpp"
 #include "talus/geometry/half_space.hpp"
 #include "talus/shape/box.hpp"
 #include "talus/shape/capsule.hpp"
 #include "talus/shape/cylinder.hpp"
+#include "talus/shape/ellipsoid.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
+#include "talus/shape/superellipsoid.hpp"
+#include "talus/shape/support_surface.hpp"
 
 namespace talus::detail {
 
@@ -61,11 +65,18 @@ void add_placement(povray_text& out, const pose& p);
 
 namespace talus {
 
-// One function per shape: its form in the frame of the body, without placement and colour. A
-// user-defined shape needs such a function in the shape's namespace.
+// The form of a shape in the frame of the body, without placement and colour. Other convex shapes
+// are drawn by their support functions; a shape with a better picture has such a function in its
+// namespace.
 
 inline void povray_form(detail::povray_text& out, const sphere& s) {
   out << "sphere{<0,0,0>," << s.radius;
+}
+inline void povray_form(detail::povray_text& out, const ellipsoid& e) {
+  out << "sphere{<0,0,0>,1 scale " << e.radii;
+}
+inline void povray_form(detail::povray_text& out, const superellipsoid& s) {
+  out << "superellipsoid{<" << 2 / s.n2 << "," << 2 / s.n1 << "> scale " << s.radii;
 }
 void povray_form(detail::povray_text& out, const box& b);
 inline void povray_form(detail::povray_text& out, const plane& p) {
@@ -96,6 +107,20 @@ void povray_form(detail::povray_text& out, const Shape& s) {
   for (std::uint32_t t = 0; t < tree.triangles.size(); ++t)
     out << "triangle{" << tree.corner(t, 0) << "," << tree.corner(t, 1) << "," << tree.corner(t, 2)
         << "}";
+}
+/// Any other convex shape, as smooth triangles.
+template <concepts::convex_shape Shape>
+requires(!requires(const Shape& s) { s.mesh().normals; }) void povray_form(detail::povray_text& out,
+                                                                           const Shape& s) {
+  const detail::support_surface drawn = detail::surface_of_support(s);
+  out << "mesh{";
+  for (const auto& triangle : drawn.triangles) {
+    out << "smooth_triangle{";
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t p = triangle[static_cast<std::size_t>(k)];
+      out << drawn.points[p] << "," << drawn.normals[p] << (k < 2 ? "," : "}");
+    }
+  }
 }
 /// A shape made of parts.
 template <class Shape>

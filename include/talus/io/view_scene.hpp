@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "talus/geometry/any_geometry.hpp"
+#include "talus/io/detail/shape_numbers.hpp"
 #include "talus/io/detail/shape_surface.hpp"
 #include "talus/io/detail/view_part.hpp"
 #include "talus/shape/frame.hpp"
@@ -29,6 +30,7 @@ class view_writer {
   template <class Scenario>
   [[nodiscard, gnu::cold]] view_part part_of(world<Scenario>& w) {
     view_part out;
+    numbers_ = shape_numbers(typename Scenario::shapes{});
     const auto& s = view_of(w);
     const stage_seconds t = w.stage_times();
     out.seconds = {t.detect, t.respond, t.integrate, t.exchange};
@@ -39,8 +41,7 @@ class view_writer {
           if (store.flags[i] & flag_invisible) continue;
           view_body one = body_of(store, i, w.rank(), global);
           if constexpr (shape::finite)
-            one.mass = static_cast<float>(s.materials[store.material[i]].density *
-                                          store.shape[i].volume());
+            one.mass = static_cast<float>(mass_of(store, i, s.materials));
           add_body(out, store, i, one);
         }
       };
@@ -101,7 +102,8 @@ class view_writer {
       add_surface(surface_, shape);
       b.form = add_form(out, sent_, surface_.points, surface_.corners, surface_.ends);
     }
-    b.shape = view_shape_of(Shape::name, b.form != 0);
+    const std::uint8_t number = numbers_.number(Shape::name);
+    b.shape = view_shape{static_cast<std::uint8_t>(number + (number >= shape_numbers::usual))};
     out.bodies.push_back(b);
   }
   template <class State>
@@ -133,7 +135,8 @@ class view_writer {
       if (!add(complement(c.geometry))) return out.domain.clear();
   }
 
-  surface_faces surface_;             ///< of one body, in its frame
+  surface_faces surface_;  ///< of one body, in its frame
+  shape_numbers numbers_;
   plain_vector<std::uint64_t> sent_;  ///< forms that rank 0 has, in order
 };
 

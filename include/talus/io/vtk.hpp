@@ -44,7 +44,8 @@ void write_vtk_bodies(world<Scenario>& w, checkpoint_team& team, const std::stri
   vtk_bodies<Scenario> rows;
   rows.add_all(view_of(w));
   write_vtk_file(team, file, vtk_cells::in_a_row(vtk_cell::vertex, rows.points.rows(), 1),
-                 std::move(rows.points), std::move(rows.data), w.steps(), w.time(), force);
+                 std::move(rows.points), std::move(rows.data), w.steps(), w.time(), force,
+                 rows.shapes.others());
 }
 template <class Scenario>
 void write_vtk_contacts(world<Scenario>& w, checkpoint_team& team, const std::string& file,
@@ -70,7 +71,7 @@ void write_vtk_surfaces(world<Scenario>& w, checkpoint_team& team, const std::st
   vtk_surfaces<Scenario> rows;
   rows.add_all(view_of(w));
   write_vtk_file(team, file, rows.cells(), std::move(rows.points), std::move(rows.data), w.steps(),
-                 w.time(), force);
+                 w.time(), force, rows.shapes.others());
 }
 
 /// One of the files of an output.

@@ -25,8 +25,8 @@ namespace detail {
 /// The data that determine the time step of soft contacts: the same on all ranks.
 struct soft_scales {
   /// By material, of the body that moves with the least mass over stiffening(): its mass, else
-  /// infinite, and its stiffening().
-  std::vector<real> lightest, stiffest;
+  /// infinite, its stiffening(), and the radius of the sphere of its volume, of equals the least.
+  std::vector<real> lightest, stiffest, radius;
   /// By pair of materials: the longest step that is stable for all bodies of the first.
   std::vector<real> stable;
   std::vector<char> wall;  ///< by material: whether a body of it is immovable
@@ -70,26 +70,32 @@ template <class Scenario>
   return bodies > 1 ? static_cast<int>(-minus_most) : 0;
 }
 
-/// For each material, the bodies for which no other body is both lighter and stiffer.
+/// For each material, the bodies for which no other body is both lighter and stiffer. Of two bodies
+/// that are alike in both, the smaller one.
 class soft_extremes {
  public:
   explicit soft_extremes(std::size_t materials) : of_(materials) {}
-  void add(std::size_t material, real mass, real stiffer) {
+  void add(std::size_t material, real mass, real stiffer, real volume) {
     auto& all = of_[material];
+    const auto before = [](const body& x, const body& y) {
+      const bool alike = x.mass == y.mass && x.stiffer == y.stiffer;
+      return alike ? x.volume <= y.volume : x.mass <= y.mass && x.stiffer >= y.stiffer;
+    };
+    const body one{mass, stiffer, volume};
     for (const body& x : all)
-      if (x.mass <= mass && x.stiffer >= stiffer) return;
-    std::erase_if(all, [&](const body& x) { return mass <= x.mass && stiffer >= x.stiffer; });
-    all.push_back({mass, stiffer});
+      if (before(x, one)) return;
+    std::erase_if(all, [&](const body& x) { return before(one, x); });
+    all.push_back(one);
   }
-  /// Calls f(mass, stiffening) for those of a material.
+  /// Calls f(mass, stiffening, volume) for those of a material.
   template <class F>
   void each(std::size_t material, F&& f) const {
-    for (const body& x : of_[material]) f(x.mass, x.stiffer);
+    for (const body& x : of_[material]) f(x.mass, x.stiffer, x.volume);
   }
 
  private:
   struct body {
-    real mass, stiffer;
+    real mass, stiffer, volume;
   };
   std::vector<std::vector<body>> of_;
 };
@@ -127,15 +133,26 @@ template <class Scenario>
       if (!b.is_fixed()) {
         ++moving;
         const real stiffer = stiffening(b.shape(), of_others);
-        extremes.add(m, b.mass(), stiffer);
+        extremes.add(m, b.mass(), stiffer, b.shape().volume());
         lower(m, b.mass() / stiffer);
         lower(2 * n + minus_speed, -b.velocity().norm());
         lower(2 * n + minus_top, -(height - below));
         lower(2 * n + minus_fall, -fall_to_planes(w, b.position() + below * down, down));
-        if constexpr (law::bounds_each_body)
-          lower(2 * n + of_bodies,
-                law::longest_step_of_body(materials[b.material()], sphere_radius(b.shape())) /
-                    std::sqrt(stiffer));
+        if constexpr (law::bounds_each_body) {
+          const auto bound = [&](const material& of) {
+            lower(2 * n + of_bodies,
+                  law::longest_step_of_body(of, wave_radius(b.shape())) / std::sqrt(stiffer));
+          };
+          const real volume = b.shape().volume();
+          const material& usual = materials[b.material()];
+          if (b.mass() == usual.density * volume) {
+            bound(usual);
+          } else {
+            material own = usual;
+            own.density = b.mass() / volume;
+            bound(own);
+          }
+        }
         return;
       }
     }
@@ -149,11 +166,11 @@ template <class Scenario>
   w.link().reduce(reduction::sum, std::span(&moving, 1));
 
   soft_scales s;
-  s.lightest.assign(n, never), s.stable.assign(n * n, never);
+  s.lightest.assign(n, never), s.radius.assign(n, never), s.stable.assign(n * n, never);
   auto& pairs = state_of(w).soft.pairs;
   pairs.follow(materials);
   for (std::size_t m = 0; m < n; ++m)
-    extremes.each(m, [&](real mass, real stiffer) {
+    extremes.each(m, [&](real mass, real stiffer, real) {
       if (mass / stiffer == least[m]) s.lightest[m] = std::min(s.lightest[m], mass);
       for (std::size_t j = 0; j < n; ++j)
         if (const auto& pair = pairs.pair(static_cast<material_id>(m), static_cast<material_id>(j));
@@ -162,6 +179,12 @@ template <class Scenario>
               std::min(s.stable[m * n + j], real(law::longest_step(pair, mass, stiffer)));
     });
   w.link().reduce(reduction::min, std::span(s.lightest));
+  for (std::size_t m = 0; m < n; ++m)
+    extremes.each(m, [&](real mass, real stiffer, real volume) {
+      if (mass / stiffer == least[m] && mass == s.lightest[m])
+        s.radius[m] = std::min(s.radius[m], portable::cbrt(volume * (3 / (4 * pi))));
+    });
+  w.link().reduce(reduction::min, std::span(s.radius));
   w.link().reduce(reduction::min, std::span(s.stable));
   for (std::size_t m = 0; m < n; ++m)
     s.wall.push_back(least[n + m] == 0), s.stiffest.push_back(s.lightest[m] / least[m]);
@@ -198,12 +221,9 @@ template <class Scenario>
   using law = typename Scenario::contact_law::law;
   real shortest = std::numeric_limits<real>::infinity();
   if (!(speed > 0)) return shortest;
-  const auto radius_of = [&](std::size_t m) {
-    return portable::cbrt(s.lightest[m] / w.materials()[material_id(m)].density * (3 / (4 * pi)));
-  };
   each_meeting_pair(w, s, [&](std::size_t i, std::size_t j, const auto& pair) {
-    real of_mass = s.stiffest[i] / s.lightest[i], curvature = 1 / radius_of(i);
-    if (s.moves(j)) of_mass += s.stiffest[j] / s.lightest[j], curvature += 1 / radius_of(j);
+    real of_mass = s.stiffest[i] / s.lightest[i], curvature = 1 / s.radius[i];
+    if (s.moves(j)) of_mass += s.stiffest[j] / s.lightest[j], curvature += 1 / s.radius[j];
     const real time = law::duration(pair, head_on_impact{1 / of_mass, 1 / curvature, speed});
     if (is_impact(speed, time, s.gravity)) shortest = std::min(shortest, time);
   });

@@ -16,7 +16,8 @@ struct energy_balance {
   double potential = 0;  ///< -m g . x, with respect to the origin, now
   double elastic = 0;    ///< in the springs of soft contacts, at the end of the last step
   double initial = 0;    ///< all energy at the start of the first step
-  double changes = 0;    ///< by the user between steps: bodies added, removed, moved, pushed
+  double changes = 0;    ///< by the user between steps: bodies added, removed, moved, pushed; and
+                         ///< by bodies that cross a periodic face along gravity
   energy_flows step;     ///< in the last step
   energy_flows total;    ///< in all steps
   double closure = 0;    ///< change of energy in the last step, minus step.net(): round-off
@@ -33,6 +34,7 @@ template <class Scenario>
   energy_balance b;
   if constexpr (detail::require_feature<Scenario, energy_ledger>()) {
     w.require_all_ranks("measure_energy");
+    detail::close_ledger(detail::state_of(w));
     detail::energy_entries r = detail::view_of(w).monitors.energy;
     detail::spring_record springs;
     detail::energy_sums now = detail::energy_of(detail::view_of(w));
@@ -41,6 +43,7 @@ template <class Scenario>
     else
       (r.changes += now.all()) -= r.after.all();
     if constexpr (Scenario::contact_law::soft) springs = detail::view_of(w).monitors.springs;
+    springs.work_elsewhere = {};  // 0 in the sum over the ranks
     detail::sum_exactly(w.link(), now.kinetic, now.potential, r.initial, r.changes, r.exchanged);
     for (detail::energy_sums* x : {&r.before, &r.after})
       detail::sum_exactly(w.link(), x->kinetic, x->potential, x->scale);

@@ -54,7 +54,7 @@ class crossing_counter {
         const side* last = find(n, store.id[i]);
         if (last == nullptr || last->ahead == ahead(as_seen_before(*last, store.position[i])))
           continue;
-        const double mass = s_.materials[store.material[i]].density * store.shape[i].volume();
+        const double mass = mass_of(store, i, s_.materials);
         const std::size_t way = last->ahead ? 1 : 0;
         ++numbers_[way], masses_[way] += mass;
       }
@@ -125,7 +125,7 @@ class flow_meter {
     where.validate();
     counter_ = std::make_shared<detail::crossing_counter<Scenario>>(detail::view_of(w), where);
     w.before_simulating("flow meters", [counter = counter_] { counter->note(); });
-    w.after_each_step("flow meters", [counter = counter_] { counter->count(); });
+    w.monitor_each_step("flow meters", [counter = counter_] { counter->count(); });
   }
   /// Collective: sums over all ranks, since the meter was made.
   [[nodiscard]] flow total() const {

@@ -50,6 +50,14 @@ template <class Scenario>
     add("overlap_worst", "1", o.worst);
     say("overlap", o.mean);
   }
+  if constexpr (Scenario::template has_feature<events>) {
+    const auto n = total_events(w);
+    add("contacts_begun", "1", static_cast<double>(n[0]));
+    add("contacts_ended", "1", static_cast<double>(n[1]));
+    add("impacts", "1", static_cast<double>(n[2]));
+    add("regions_entered", "1", static_cast<double>(n[3]));
+    add("regions_left", "1", static_cast<double>(n[4]));
+  }
   if constexpr (Scenario::template has_feature<residual_monitor>) {
     const convergence& c = w.convergence();
     add("contact_residual", "1", c.residual);

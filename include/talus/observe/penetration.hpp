@@ -14,6 +14,7 @@
 #include "talus/detect/hash_grid.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/detect/thickness.hpp"
+#include "talus/pairs/filtered_pairs.hpp"
 #include "talus/parallel/exact_reduction.hpp"
 #include "talus/world/world.hpp"
 
@@ -77,15 +78,16 @@ template <class Scenario>
   return pairs;
 }
 
-/// Adds all pairs of a body owned here with a body of `others`, but those with joints. Of a pair
+/// Adds all pairs of a body owned here with a body of `others` that may touch. Of a pair
 /// known to two ranks, the one that owns the first body (by shape, then by id) counts.
-template <class Store, class Others, class History>
-[[gnu::cold]] void add_gaps(gap_sums& sums, const Store& own, const Others& others,
-                            bool others_move, bool same_shape, const History& history, real radius,
+template <class Scenario, class Store, class Others>
+[[gnu::cold]] void add_gaps(gap_sums& sums, const world_state<Scenario>& s, const Store& own,
+                            const Others& others, bool others_move, bool same_shape, real radius,
                             const jointed_pairs& joined) {
+  const auto& history = s.history;
   using shape = typename Store::shape_type;
   using other = typename Others::shape_type;
-  constexpr bool soft = !std::is_same_v<History, contact_history>;
+  constexpr bool soft = Scenario::contact_law::soft;
   const real margin = 0.02 * radius;
   const auto pair = [&](std::size_t i, std::size_t j) {
     const bool own_i = i < own.locals, own_j = others_move && j < others.locals;
@@ -100,6 +102,8 @@ template <class Store, class Others, class History>
           in_order ? plain_pair{own.id[i], others.id[j]} : plain_pair{others.id[j], own.id[i]};
       if (std::binary_search(joined.begin(), joined.end(), both)) return;
     }
+    if constexpr (world_state<Scenario>::filters)
+      if (!may_touch(s, own, i, others, j)) return;
     const real size = std::min(half_thickness(own.shape[i]), half_thickness(others.shape[j]));
     const auto count = [&](const contact_geometry& g, const contact_key& key) {
       if (-g.gap > sums.worst.part * size) {
@@ -164,9 +168,8 @@ template <class Scenario>
       constexpr bool same = std::is_same_v<A, B>;
       constexpr bool first = index_of<shapes, A> <= index_of<shapes, B>;
       if constexpr (B::finite && first)
-        add_gaps(sums, a.movable, b.movable, true, same, s.history, radius, joined);
-      if (b.global.size() > 0)
-        add_gaps(sums, a.movable, b.global, false, same, s.history, radius, joined);
+        add_gaps(sums, s, a.movable, b.movable, true, same, radius, joined);
+      if (b.global.size() > 0) add_gaps(sums, s, a.movable, b.global, false, same, radius, joined);
     });
   });
   return sums;

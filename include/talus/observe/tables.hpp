@@ -132,7 +132,7 @@ template <class Scenario>
       const quat q = store.pose(i).orientation;
       double mass = 0;
       if constexpr (shape_type::finite && !requires { shape_type::immovable; })
-        mass = s.materials[store.material[i]].density * store.shape[i].volume();
+        mass = mass_of(store, i, s.materials);
       mine.push_back({value_of(store.id[i]),
                       shape,
                       static_cast<std::uint32_t>(store.material[i]),

@@ -11,6 +11,7 @@
 
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/detect/flush.hpp"
+#include "talus/pairs/filtered_pairs.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"
 
@@ -22,7 +23,8 @@ struct contact_with_fixed {
   vec3 centre;         ///< of the movable body
   real radius = 0;
   system_id id = no_id;
-  bool round = false;  ///< the movable body is a sphere
+  bool round = false;                ///< the movable body is a sphere
+  std::size_t shape = 0, index = 0;  ///< of the movable body in the scenario, and in its store
 };
 
 /// Finds the contacts with flush bodies that are not on their common surface.
@@ -51,6 +53,8 @@ class flush_surface {
     f.each_near(number, point_, reach_of(number), [&](std::uint32_t other) {
       if constexpr (state_type::has_joints)  // it has no contacts with the movable body
         if (s_.joints.joined(c_.id, f.all[other].id)) return true;
+      if constexpr (state_type::filters)
+        if (!touches(other)) return true;
       const real tolerance = tolerance_of(number, other);
       each_solid(other, point_, tolerance, [&](const auto& solid, const pose& at) {
         const vec3 p = at.to_body(point_), n = to_body(at, c_.normal);
@@ -81,6 +85,18 @@ class flush_surface {
         if (index_of<typename Scenario::shapes, shape> == one.shape)
           f(one.global ? b.global : b.movable, one.index);
     });
+  }
+  /// Whether features let the movable body touch the one with this number.
+  [[nodiscard]] bool touches(std::uint32_t number) const {
+    bool may = true;
+    s_.each_finite_shape([&](const auto& b) {
+      using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+      if (index_of<typename Scenario::shapes, shape> == c_.shape)
+        with_body(number, [&](const auto& store, std::size_t i) {
+          may = may_touch(s_, b.movable, c_.index, store, i);
+        });
+    });
+    return may;
   }
   /// Calls f(convex solid, its frame) for the parts of a body around a point of the world, until it
   /// returns false.
@@ -333,9 +349,14 @@ template <class Fixed, class Other, class Scenario, class StoreF, class StoreO>
     const std::int32_t number = number_if_flush<Fixed>(s, global, k);
     if (number < 0) return false;
     const vec3 image = fixed.position[k] - at;  // where it is among the others
-    const contact_with_fixed c{point + image,  normal,
-                               centre + image, other.shape[l].bounding_radius(),
-                               other.id[l],    Other::isotropic};
+    const contact_with_fixed c{point + image,
+                               normal,
+                               centre + image,
+                               other.shape[l].bounding_radius(),
+                               other.id[l],
+                               Other::isotropic,
+                               index_of<typename Scenario::shapes, Other>,
+                               l};
     return flush_surface<Scenario>(s, c).hides(static_cast<std::uint32_t>(number));
   }
   return false;

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "talus/core/plain_vector.hpp"
+#include "talus/pairs/filtered_pairs.hpp"
 #include "talus/pairs/stages.hpp"
 #include "talus/state/acting_range.hpp"
 #include "talus/state/body_numbers.hpp"
@@ -113,10 +114,12 @@ void prepare_detection(world_state<Scenario>& s) {
       s, [&](const auto& store, std::size_t i, std::size_t) { return reach_in_step(s, store, i); });
 }
 
-/// Finds all pairs of bodies within reach of each other: make<A, B, partner>() returns the receiver
-/// of the pairs of the shapes A and B, as (index of a, index of b, margin of a, margin of b).
+/// Finds all pairs of bodies within reach of each other that may touch: make<A, B, partner>()
+/// returns the receiver of the pairs of the shapes A and B, as (index of a, index of b, margin of
+/// a, margin of b).
 template <class Scenario, class Make>
-void each_neighbour_pair(held_bodies<Scenario>& s, Make&& make) {
+void each_neighbour_pair(world_state<Scenario>& s, Make&& make) {
+  constexpr bool filters = world_state<Scenario>::filters;
   const auto margin = [](const auto& store, const plain_vector<real>& reach, std::size_t i) {
     return reach[i] - store.shape[i].bounding_radius();
   };
@@ -125,6 +128,8 @@ void each_neighbour_pair(held_bodies<Scenario>& s, Make&& make) {
 
     auto among = make.template operator()<A, A, partner::moving>();
     a.grid.pairs([&](std::size_t i, std::size_t j) {
+      if constexpr (filters)
+        if (!may_touch(s, a.movable, i, a.movable, j)) return;
       among(i, j, margin(a.movable, a.reach, i), margin(a.movable, a.reach, j));
     });
     if constexpr (requires { among.finish(); }) among.finish();
@@ -136,6 +141,8 @@ void each_neighbour_pair(held_bodies<Scenario>& s, Make&& make) {
       if constexpr (B::finite && later) {
         auto between = make.template operator()<A, B, partner::moving>();
         a.grid.pairs_with(b.grid, [&](std::size_t i, std::size_t j) {
+          if constexpr (filters)
+            if (!may_touch(s, a.movable, i, b.movable, j)) return;
           between(i, j, margin(a.movable, a.reach, i), margin(b.movable, b.reach, j));
         });
       }
@@ -143,13 +150,18 @@ void each_neighbour_pair(held_bodies<Scenario>& s, Make&& make) {
       if constexpr (B::finite) {
         if (b.global.size() > 0)
           a.grid.pairs_with(b.global_grid, [&](std::size_t i, std::size_t j) {
+            if constexpr (filters)
+              if (!may_touch(s, a.movable, i, b.global, j)) return;
             against(i, j, margin(a.movable, a.reach, i), margin(b.global, b.global_reach, j));
           });
       } else {
         // Pairs of other ranks too: kept pairs may come to be owned here.
         for (std::size_t j = 0; j < b.global.size(); ++j)
-          for (std::size_t i = 0; i < a.movable.size(); ++i)
+          for (std::size_t i = 0; i < a.movable.size(); ++i) {
+            if constexpr (filters)
+              if (!may_touch(s, a.movable, i, b.global, j)) continue;
             against(i, j, margin(a.movable, a.reach, i), 0);
+          }
       }
     });
   });

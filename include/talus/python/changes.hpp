@@ -1,9 +1,12 @@
 #pragma once
 // Bodies that Python adds, removes and gives a velocity, between steps.
+#include <algorithm>
 #include <array>
-#include <concepts>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -11,34 +14,31 @@
 
 #include "talus/body/body.hpp"
 #include "talus/core/error.hpp"
-#include "talus/shape/box.hpp"
-#include "talus/shape/capsule.hpp"
-#include "talus/shape/cylinder.hpp"
-#include "talus/shape/sphere.hpp"
 #include "talus/state/state.hpp"
 #include "talus/world/state_of.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus::detail {
 
-/// A shape from its sizes, in the order of its members. Throws invalid_argument for another number
-/// of sizes, and for shapes that have more than sizes.
+/// A shape from its numbers, in the order of its members. Throws invalid_argument for another count
+/// of them, and for shapes that have more than numbers.
 template <class Shape>
 [[nodiscard]] Shape shape_from(const std::vector<real>& sizes) {
-  const auto need = [&](std::size_t n, const char* words) {
-    if (sizes.size() != n)
-      fail<std::invalid_argument>("a {} has {}, so add takes {} numbers before the others, not {}",
-                                  Shape::name, words, n, sizes.size());
-  };
-  if constexpr (std::same_as<Shape, sphere>) {
-    need(1, "a radius");
-    return {sizes[0]};
-  } else if constexpr (std::same_as<Shape, box>) {
-    need(3, "three edges");
-    return {{sizes[0], sizes[1], sizes[2]}};
-  } else if constexpr (std::same_as<Shape, capsule> || std::same_as<Shape, cylinder>) {
-    need(2, "a radius and a length");
-    return {sizes[0], sizes[1]};
+  if constexpr (requires { Shape::numbers; }) {
+    constexpr std::size_t count = std::size(Shape::numbers);
+    static_assert(std::is_trivially_copyable_v<Shape> && sizeof(Shape) == count * sizeof(real),
+                  "the `numbers` of a shape name each of its members, which are all of type real");
+    if (sizes.size() != count) {
+      std::string names;
+      for (const char* const one : Shape::numbers)
+        names += (names.empty() ? "" : ", ") + std::string(one);
+      fail<std::invalid_argument>(
+          "a {} is given by {}: add takes {} numbers before the others, not {}", Shape::name, names,
+          count, sizes.size());
+    }
+    std::array<real, count> values;
+    std::copy_n(sizes.begin(), count, values.begin());
+    return std::bit_cast<Shape>(values);
   } else {
     fail<std::invalid_argument>("a {} cannot be added by Python: add it in the set-up",
                                 Shape::name);
@@ -50,6 +50,7 @@ struct new_body {
   std::array<real, 3> position, velocity, angular_velocity;
   std::array<real, 4> orientation;  ///< x, y, z, w
   std::uint16_t material = 0;       ///< number of the material, in the order of the set-up
+  std::optional<real> mass, density;
 };
 
 /// Calls f(std::type_identity<Shape>{}) for the shape of that name.
@@ -74,6 +75,8 @@ template <class Scenario>
     b.angular_velocity = three(how.angular_velocity);
     b.orientation = quat(q[3], q[0], q[1], q[2]);
     b.material = material_id{how.material};
+    if (how.mass) b.mass = *how.mass;
+    if (how.density) b.density = *how.density;
     const auto made = w.add_if_local(b);
     if (!made)
       fail<std::invalid_argument>("a {} cannot be added at {}: the place is in no domain",

@@ -88,17 +88,20 @@ void bind_changes(Class& bodies_class) {
           "add",
           [](const bodies& b, const py::args& sizes, const std::array<real, 3>& position,
              const std::array<real, 3>& velocity, const std::array<real, 3>& angular_velocity,
-             const std::array<real, 4>& orientation, std::uint16_t material) {
+             const std::array<real, 4>& orientation, std::uint16_t material,
+             const std::optional<real>& mass, const std::optional<real>& density) {
             const auto numbers = sizes.cast<std::vector<real>>();
-            const new_body how{position, velocity, angular_velocity, orientation, material};
+            const new_body how{position, velocity, angular_velocity, orientation,
+                               material, mass,     density};
             return b.session->change(
                 [&](world_type& w) { return add_body(w, b.shape, numbers, how); });
           },
           py::arg("position"), py::arg("velocity") = none, py::arg("angular_velocity") = none,
           py::arg("orientation") = std::array<real, 4>{0, 0, 0, 1}, py::arg("material") = 0,
+          py::arg("mass") = py::none(), py::arg("density") = py::none(),
           "Adds a body and returns its id: add(radius, position=...), of a box add(x, y, z, "
           "position=...), of a capsule or cylinder add(radius, length, position=...). The material "
-          "is its number in the order of the set-up.")
+          "is its number in the order of the set-up; mass or density replaces its density.")
       .def(
           "remove",
           [](const bodies& b, std::uint64_t id) {

@@ -212,10 +212,12 @@ class session {
     w.before_simulating("Python", [this] {
       if (!std::exchange(begun_, true) || std::exchange(due_, false)) thread_.yield();
     });
-    w.after_observers("Python", [this, &w] {
+    w.monitor_after_observers("Python", [this, &w] {
       if (++made_ != asked_ && !interrupted_ && !end_->began()) return;
       due_ = w.steps() == w.last_step();
-      if (!due_) thread_.yield();
+      if (due_) return;
+      close_ledger(state_of(w));  // the caller may change the world
+      thread_.yield();
     });
     if constexpr (std::is_void_v<decltype(set_up_(w, o))>)
       set_up_(w, o);

@@ -50,6 +50,13 @@ void bind_tables(Class& world_class) {
   namespace py = pybind11;
   using driven = driven_world<Session>;
   using world_type = typename Session::world_type;
+  if constexpr (Session::world_type::scenario_type::template has_feature<events>)
+    world_class.def(
+        "event_table",
+        [](driven& d) {
+          return arrays_of(d.session->read([](world_type& w) { return event_table(w); }));
+        },
+        "The events of the last step, by the ids of their bodies, likewise.");
   world_class
       .def(
           "body_table",

@@ -23,6 +23,12 @@ namespace talus {
 
 namespace detail {
 
+/// Whether contacts of a law are forces without a memory.
+template <class ContactLaw>
+inline constexpr bool law_forgets = false;
+template <class ContactLaw>
+requires(ContactLaw::soft) inline constexpr bool law_forgets<ContactLaw> = !ContactLaw::remembers;
+
 template <class Role>
 struct in_role {
   template <class Type>
@@ -192,6 +198,9 @@ struct scenario final {
   static_assert(detail::law_takes_liquid<law_policy> || !names<surface_liquid>,
                 "scenario<...> names surface_liquid, and no contact law that takes liquid from the "
                 "bodies: add from_films<willett_bridge> to soft_contact<...>");
+  static_assert(!names<events> || !detail::law_forgets<law_policy>,
+                "scenario<...> names events and a soft contact that remembers nothing, so that no "
+                "contact would begin or end: add coulomb_friction to soft_contact<...>");
   static constexpr bool has_joints = joints_policy::list::size > 0;
   static_assert(!has_joints || !law_policy::soft,
                 "scenario<...> names joints and soft_contact<...>, but joints are solved together "
@@ -264,7 +273,7 @@ struct scenario final {
   using features = std::conditional_t<                           ///< none
       !names<energy_ledger> || (!law_policy::soft && !has_joints), kept_features,
       detail::list_with<kept_features, std::conditional_t<has_joints, detail::joint_flows,
-                                                          detail::split_contact_forces>>>;
+                                                          detail::contact_flows>>>;
   using joints = typename joints_policy::list;  ///< none
 
   template <class Shape>

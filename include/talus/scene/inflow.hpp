@@ -14,6 +14,7 @@
 
 #include "talus/body/body.hpp"
 #include "talus/body/features.hpp"
+#include "talus/body/mass.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/field_names.hpp"
 #include "talus/core/random.hpp"
@@ -23,6 +24,7 @@
 #include "talus/scene/region.hpp"
 #include "talus/scene/site.hpp"
 #include "talus/state/periodic_ghosts.hpp"
+#include "talus/world/body_checks.hpp"
 
 namespace talus {
 
@@ -151,12 +153,14 @@ class inserter {
     const site place{.position = p, .index = number};
     random_stream random(w_->seed(), number, purpose_of(how_.name, false));
     candidate made{make_(place, random), number};
-    with(made.what, [&](const auto& b) {
+    with(made.what, [&](auto& b) {
       if (!((b.position - p).norm() <= b.shape.bounding_radius()))
         fail<std::invalid_argument>(
             "body {} of the inflow '{}' is made at {}, away from its site at {}: give it .position "
             "= site.position",
             number, how_.name, b.position, p);
+      require_sane(b, w_->materials());
+      b = with_own_inertia(b, w_->materials());
     });
     return made;
   }
@@ -168,7 +172,7 @@ class inserter {
         how_.name, lower_, upper_);
   }
   template <class What, class F>
-  static void with(const What& what, F&& f) {
+  static void with(What&& what, F&& f) {
     if constexpr (requires { what.valueless_by_exception(); })
       std::visit(f, what);
     else
@@ -176,8 +180,7 @@ class inserter {
   }
   real mass_of(const candidate& c) const {
     real mass = 0;
-    with(c.what,
-         [&](const auto& b) { mass = w_->materials()[b.material].density * b.shape.volume(); });
+    with(c.what, [&](const auto& b) { mass = detail::mass_of(b, w_->materials()); });
     return mass;
   }
   bool overlap(const candidate& x, const candidate& y) const {

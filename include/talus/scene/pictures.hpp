@@ -90,7 +90,7 @@ void take_pictures(world<Scenario>& w, const options& options, picture look = {}
     const detail::function_clock clock(s, s.functions.number("pictures of --frames"));
     take(w.steps() / options.every);
   }
-  w.after_each_step("pictures of --frames", [&w, take, lock, every = options.every] {
+  w.monitor_each_step("pictures of --frames", [&w, take, lock, every = options.every] {
     if (w.steps() % every == 0) take(w.steps() / every);
   });
 }

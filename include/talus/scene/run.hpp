@@ -174,7 +174,7 @@ template <class Scenario, class Options>
       // The state with which the first run ended is none of a run without interruption.
       w.before_simulating("files of --output",
                           [series, due, write] { series->go_on(due()), write(); });
-      w.after_each_step("files of --output", write);
+      w.monitor_each_step("files of --output", write);
       return [series] { series->write(); };
     }
   }
@@ -234,10 +234,10 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   time_limit limit(options.time_limit.empty() ? 0 : seconds_in(options.time_limit), began,
                    !options.checkpoint.empty());
   if (!options.csv.empty())
-    w.after_observers("table of --csv", [&] {
+    w.monitor_after_observers("table of --csv", [&] {
       if (w.steps() % options.csv_every == 0) table.sample(w);
     });
-  w.after_observers("progress line", [&] {
+  w.monitor_after_observers("progress line", [&] {
     if constexpr (has_monitors<Scenario>)
       if (!silent && (w.steps() % note_every == 0 || w.steps() == w.last_step())) {
         const function_clock clock(state_of(w), state_of(w).functions.number(name_of_monitors));
@@ -253,7 +253,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   const auto view = attach_view(w, options, name);
   if (!replaced.empty()) log.say(replaced, quiet);
   const exit_guard guard(place, name, options, log);
-  w.after_each_step("progress line", [&] {
+  w.monitor_each_step("progress line", [&] {
     place.step = w.steps();
     if constexpr (requires { link.note_step(place.step); }) link.note_step(place.step);
   });

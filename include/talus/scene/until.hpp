@@ -50,7 +50,7 @@ class until_option {
     if (options_.until.empty()) return;
     ended_.clear(), watch_.clear();
     if (std::exchange(added_, true)) return;
-    w.after_each_step(name_of_conditions, [this, &w, &log] {
+    w.monitor_each_step(name_of_conditions, [this, &w, &log] {
       if (w.steps() % options_.until_every != 0 || !holds(w)) return;
       ended_ = options_.until;
       if (w.rank() == 0)

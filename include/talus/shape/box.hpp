@@ -4,6 +4,8 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/shape/chord.hpp"
+#include "talus/shape/convex_form.hpp"
 
 namespace talus {
 
@@ -14,6 +16,7 @@ struct box {
   static constexpr bool finite = true;
   static constexpr bool isotropic = false;
   static constexpr const char* name = "box";
+  static constexpr const char* numbers[] = {"x edge", "y edge", "z edge"};
 
   /// Throws invalid_argument unless all three edges are positive and between 1e-120 and 1e120.
   void validate() const {
@@ -45,6 +48,14 @@ struct box {
                z = std::abs(p[2]) + size[2] / 2;
     return std::sqrt(x * x + y * y + z * z);
   }
+  /// The part of the line p + t d inside it.
+  [[nodiscard]] talus::chord chord(const vec3& p, const vec3& d) const {
+    talus::chord c;
+    for (int k = 0; k < 3; ++k)
+      for (const real sign : {-1., 1.})
+        c = detail::shared(c, detail::chord_below(sign * p[k], sign * d[k], size[k] / 2));
+    return c;
+  }
   [[nodiscard]] vec3 half_extents(const pose& at) const {
     const mat3 axes = at.orientation.toRotationMatrix();
     const vec3 h = half();
@@ -54,6 +65,9 @@ struct box {
     };
     return {along(0), along(1), along(2)};
   }
+
+  /// Its faces and edges, for the general contact search.
+  [[nodiscard]] block_form form() const { return {half()}; }
 
   friend bool operator==(const box&, const box&) = default;
 };

@@ -5,6 +5,8 @@
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/portable_powers.hpp"
+#include "talus/shape/chord.hpp"
+#include "talus/shape/convex_form.hpp"
 
 namespace talus {
 
@@ -16,6 +18,7 @@ struct capsule {
   static constexpr bool finite = true;
   static constexpr bool isotropic = false;
   static constexpr const char* name = "capsule";
+  static constexpr const char* numbers[] = {"radius", "length"};
 
   /// Throws invalid_argument unless radius and length are positive and between 1e-120 and 1e120.
   void validate() const {
@@ -47,10 +50,23 @@ struct capsule {
   [[nodiscard]] real reach_from(const vec3& p) const {
     return portable::hypot(p[0], p[1], std::abs(p[2]) + length / 2) + radius;
   }
+  /// The part of the line p + t d inside it.
+  [[nodiscard]] talus::chord chord(const vec3& p, const vec3& d) const {
+    talus::chord all = detail::chord_of_cylinder(p, d, radius, length / 2);
+    for (const real end : {-length / 2, length / 2}) {
+      const talus::chord cap = detail::chord_of_ball(p - vec3(0, 0, end), d, radius);
+      if (cap.empty()) continue;
+      all =
+          all.empty() ? cap : talus::chord{std::min(all.from, cap.from), std::max(all.to, cap.to)};
+    }
+    return all;
+  }
   [[nodiscard]] vec3 half_extents(const pose& at) const {
     const vec3 end = rotated(at.orientation, vec3(0, 0, length / 2));
     return {std::abs(end[0]) + radius, std::abs(end[1]) + radius, std::abs(end[2]) + radius};
   }
+  /// Its faces and edges, for the general contact search.
+  [[nodiscard]] segment_form form() const { return {length / 2, radius}; }
 
   friend bool operator==(const capsule&, const capsule&) = default;
 };

@@ -7,6 +7,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/shape/chord.hpp"
 #include "talus/shape/detail/build_mesh.hpp"
 #include "talus/shape/polyhedron_mesh.hpp"
 
@@ -41,6 +42,8 @@ class convex_polyhedron {
   }
 
   [[nodiscard]] const polyhedron_mesh& mesh() const { return *mesh_; }
+  /// Its faces and edges, for the general contact search.
+  [[nodiscard]] mesh_form form() const { return {mesh_.get()}; }
   /// The frame of the body in the coordinates of the points.
   [[nodiscard]] const pose& frame() const { return mesh_->measured.frame; }
   /// Corners of the hull in the frame of the body.
@@ -64,6 +67,15 @@ class convex_polyhedron {
       square = std::max(square, x * x + y * y + z * z);
     }
     return std::sqrt(square);
+  }
+  /// The part of the line p + t d inside it.
+  [[nodiscard]] talus::chord chord(const vec3& p, const vec3& d) const {
+    talus::chord c;
+    const polyhedron_mesh& m = mesh();
+    for (std::size_t f = 0; f < m.faces(); ++f)
+      c = detail::shared(
+          c, detail::chord_below(m.normals[f].dot(p), m.normals[f].dot(d), m.offsets[f]));
+    return c;
   }
   /// Half edges of the smallest box about the centre of mass, parallel to the axes of the world,
   /// that contains the body at a pose.

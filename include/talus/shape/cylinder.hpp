@@ -5,6 +5,8 @@
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/portable_powers.hpp"
+#include "talus/shape/chord.hpp"
+#include "talus/shape/convex_form.hpp"
 
 namespace talus {
 
@@ -16,6 +18,7 @@ struct cylinder {
   static constexpr bool finite = true;
   static constexpr bool isotropic = false;
   static constexpr const char* name = "cylinder";
+  static constexpr const char* numbers[] = {"radius", "length"};
 
   /// Throws invalid_argument unless radius and length are positive and between 1e-120 and 1e120.
   void validate() const {
@@ -46,6 +49,10 @@ struct cylinder {
   [[nodiscard]] real reach_from(const vec3& p) const {
     return portable::hypot(portable::hypot(p[0], p[1]) + radius, std::abs(p[2]) + length / 2);
   }
+  /// The part of the line p + t d inside it.
+  [[nodiscard]] talus::chord chord(const vec3& p, const vec3& d) const {
+    return detail::chord_of_cylinder(p, d, radius, length / 2);
+  }
   [[nodiscard]] vec3 half_extents(const pose& at) const {
     const vec3 axis = rotated(at.orientation, vec3(0, 0, 1));
     const auto along = [&](int i, int j, int k) {
@@ -53,6 +60,8 @@ struct cylinder {
     };
     return {along(0, 1, 2), along(1, 2, 0), along(2, 0, 1)};
   }
+  /// Its faces and edges, for the general contact search.
+  [[nodiscard]] drum_form form() const { return {radius, length / 2}; }
 
   friend bool operator==(const cylinder&, const cylinder&) = default;
 };

@@ -1,6 +1,7 @@
 #pragma once
 // The surface of a convex polyhedron in the frame of its body: corners, flat faces, edges, and
 // their connectivity. All bodies of that form share it.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -8,6 +9,7 @@
 #include <stdexcept>
 
 #include "talus/core/bytes.hpp"
+#include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/shared_data.hpp"
@@ -133,6 +135,19 @@ struct polyhedron_mesh {
     m.id = in.template get<detail::content_id>();
     m.require_sound();
     return m;
+  }
+};
+
+/// The form of all points within `rounding` of a convex polyhedron (see convex_form.hpp).
+struct mesh_form {
+  static constexpr int order = 4;
+  const polyhedron_mesh* mesh = nullptr;  ///< outlives the form
+  real rounding = 0;                      ///< length
+  [[nodiscard]] int corners() const {
+    std::uint32_t most = 0;
+    for (std::size_t f = 0; f < mesh->faces(); ++f)
+      most = std::max(most, mesh->face_begin[f + 1] - mesh->face_begin[f]);
+    return static_cast<int>(most);
   }
 };
 

@@ -23,7 +23,7 @@ void update_ranges(world_state<Scenario>& s) {
 template <class Scenario, class Store>
 [[nodiscard]] real acting_range(const world_state<Scenario>& s, const Store& store, std::size_t i) {
   if constexpr (acts_beyond_touch<Scenario>)
-    return s.soft.pairs.range(store.material[i], sphere_radius(store.shape[i]));
+    return s.soft.pairs.range(store.material[i], widest_radius(store.shape[i]));
   else
     return (void)s, (void)store, (void)i, 0;
 }

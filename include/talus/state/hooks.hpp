@@ -169,6 +169,19 @@ inline constexpr bool has_hook = []<class... Features>(type_list<Features...>) {
   };
   return (false || ... || acts.template operator()<Features>());
 }(typename Scenario::features{});
+/// Whether some user-defined feature of a scenario acts at a stage.
+template <class Stage, class Scenario>
+inline constexpr bool has_own_hook = []<class... Features>(type_list<Features...>) {
+  [[maybe_unused]] const auto acts = []<class Feature>() {
+    if constexpr (!built_in<Feature> && with_hooks<Feature>)
+      return requires(stage_view<Scenario, Feature> & v) {
+        Stage::template call<typename Feature::hooks>(v);
+      };
+    else
+      return false;
+  };
+  return (false || ... || acts.template operator()<Features>());
+}(typename Scenario::features{});
 
 }  // namespace detail
 }  // namespace talus

@@ -3,6 +3,8 @@
 // checkpoint.
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "talus/core/exact_sum.hpp"
 #include "talus/state/monitors.hpp"
@@ -65,6 +67,19 @@ class number_visitor {
   /// Their digits cover the terms of a sum, unless these differ by more than 10^60 in size.
   static constexpr std::size_t parts_of_sum = 4;
 
+  F& f_;
+};
+
+/// The argument of `each_list(visit)` of the state of a feature: visit.alike(list) names a list of
+/// 64-bit numbers that is the same on all ranks.
+template <class F>
+class list_visitor {
+ public:
+  explicit list_visitor(F& f) : f_(f) {}
+
+  void alike(std::vector<std::uint64_t>& list) { f_(list); }
+
+ private:
   F& f_;
 };
 

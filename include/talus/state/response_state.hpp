@@ -10,6 +10,7 @@
 #include "talus/constraint/impulse_scale.hpp"
 #include "talus/constraint/solver_settings.hpp"
 #include "talus/constraint/solver_state.hpp"
+#include "talus/contact/acting_memory.hpp"
 #include "talus/contact/history.hpp"
 #include "talus/core/neighbour_message.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -148,10 +149,12 @@ struct hard_response {
   plain_vector<char> at_border;  ///< by solver index: whether the velocity is sent
 };
 
-template <class Law>
+/// `Marked`: contacts that act are marked, among those that the law remembers.
+template <class Law, bool Marked>
 struct soft_response {
   using lists_type = std::tuple<soft_contacts>;
-  using history_type = history_of<typename Law::memory>;
+  using history_type = history_of<
+      std::conditional_t<Marked, acting_memory<typename Law::memory>, typename Law::memory>>;
 
   lists_type contacts;             ///< their number
   history_type history, recorded;  ///< of the last step, and of the one under way
@@ -159,14 +162,20 @@ struct soft_response {
   talus::convergence convergence;  ///< of features<residual_monitor>: its residuals only
 };
 
-/// `Driven`: global bodies may have velocities.
-template <class Shapes, class Law, class Solver, class Real, bool Driven>
+/// `Driven`: global bodies may have velocities. `Follows`: a feature follows which contacts act.
+template <class Shapes, class Law, class Solver, class Real, bool Driven, bool Follows>
 struct response_of {
   using type = hard_response<Shapes, Law, Solver, Real, Driven>;
 };
-template <class Shapes, class Law, class Solver, class Real, bool Driven>
-requires(Law::soft) struct response_of<Shapes, Law, Solver, Real, Driven> {
-  using type = soft_response<Law>;
+template <class Shapes, class Law, class Solver, class Real, bool Driven, bool Follows>
+requires(Law::soft) struct response_of<Shapes, Law, Solver, Real, Driven, Follows> {
+  static constexpr bool marked = [] {
+    if constexpr (Follows)
+      return Law::law::reaches;
+    else
+      return false;
+  }();
+  using type = soft_response<Law, marked>;
 };
 
 }  // namespace detail

@@ -65,6 +65,15 @@ namespace detail {
 /// Stands for shared_memory if no shape shares data.
 struct no_shared_memory {};
 
+/// What the filters of pairs depend on, and whether it has changed.
+struct filter_revision {
+  bool known = false;          ///< `revision` is that of the last search for pairs
+  std::uint64_t revision = 0;  ///< of the states of the features
+  bool changed = false;        ///< a body has changed since copies of it were sent
+  bool sent = false;           ///< copies are sent, and the contacts of the step are not found
+};
+struct no_filter_revision {};
+
 /// Messages between this rank and one of its neighbours, and migrated bodies; see
 /// ghosts/messages.hpp.
 struct message_channel {
@@ -135,7 +144,8 @@ template <class Scenario>
 using response_state =
     typename response_of<typename Scenario::shapes, law_of<Scenario>, solvers_of<Scenario>,
                          solved_scalar<Scenario>,
-                         contains_type<typename Scenario::features, driven>>::type;
+                         contains_type<typename Scenario::features, driven>,
+                         contains_type<typename Scenario::features, events>>::type;
 
 /// The link of a transport; of a refused one, a type that causes no further errors.
 struct no_link {
@@ -173,6 +183,10 @@ struct state_traits {
   static constexpr bool sleeps = contains_type<typename Scenario::features, sleeping>;
   /// Whether cuts between domains move.
   static constexpr bool balances = contains_type<typename Scenario::features, balancing>;
+  /// Whether a feature keeps pairs of bodies apart.
+  static constexpr bool filters = some_filter_pairs<typename Scenario::features>;
+  /// Whether a feature reports which contacts begin and end.
+  static constexpr bool follows_contacts = contains_type<typename Scenario::features, events>;
   /// Whether global bodies may be moved.
   static constexpr bool drives = contains_type<typename Scenario::features, driven>;
   /// Whether bodies may be joined.
@@ -335,9 +349,21 @@ struct world_state : response_state<Scenario>,
   [[no_unique_address]] std::conditional_t<traits::two_solvers, bool, no_choice>
       solver_on_request{};
   candidate_pairs found;
+  [[no_unique_address]] std::conditional_t<traits::filters, filter_revision, no_filter_revision>
+      filtered;
   [[no_unique_address]] std::conditional_t<traits::may_be_flush, flush_bodies, no_flush_bodies>
       flush;
 
+  /// What may_touch can read of a body has changed: pairs are searched anew, here and on the
+  /// neighbours.
+  void note_filtered_change() {
+    if constexpr (traits::filters) found.known = false, filtered.changed = true;
+  }
+  /// Neighbours have received the changes of bodies.
+  void note_changes_sent() {
+    this->changed = false;
+    if constexpr (traits::filters) filtered.changed = false;
+  }
   /// Whether the contacts of this run are solved colour by colour.
   [[nodiscard]] constexpr bool by_colours() const {
     if constexpr (traits::two_solvers)

@@ -13,7 +13,9 @@
 #include "talus/core/portable_powers.hpp"
 #include "talus/features/driven/servo.hpp"
 #include "talus/features/energy_ledger/soft_ledger.hpp"
+#include "talus/ghosts/velocities_of_owners.hpp"
 #include "talus/interaction/composed_law.hpp"
+#include "talus/interaction/local_curvature.hpp"
 #include "talus/interaction/pair_kinematics.hpp"
 #include "talus/motion/integrate.hpp"
 #include "talus/pairs/flush_bodies.hpp"
@@ -145,14 +147,18 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
           }
         });
   }
-  /// The range beyond touch of the law for this pair.
+  /// The range beyond touch of the law for this pair: for shapes with curvatures, where they are
+  /// flattest; the law itself ends where it should.
   [[nodiscard]] real range_of(const body_pair& x) const {
     const std::size_t i = x.i, j = x.j;
     if constexpr (!law::reaches) {
       return (void)i, (void)j, 0;
     } else {
       real curvature = s_.soft.bodies[first_a_ + i].curvature;
-      if constexpr (paired)
+      if constexpr (has_curvatures<ShapeA>) curvature = 1 / widest_radius(a_.shape[i]);
+      if constexpr (has_curvatures<ShapeB>)
+        curvature += 1 / widest_radius(b_.shape[j]);
+      else if constexpr (paired)
         curvature += s_.soft.bodies[first_b_ + body_b(x)].curvature;
       else if constexpr (ShapeB::finite)
         curvature += wall_curvature(b_.shape[j]);
@@ -197,6 +203,18 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       t.rolling_inertia = 1.4 / rolling;  // of solid spheres about the point of contact
     }
 
+    if constexpr (has_curvatures<ShapeA> || has_curvatures<ShapeB>) {
+      contact_curvature bent(g.normal);
+      bent.add(a_.shape[i], pose_a(x), -1, A.curvature);
+      real other = 0;
+      if constexpr (paired)
+        other = B->curvature;
+      else if constexpr (ShapeB::finite)
+        other = wall_curvature(b_.shape[j]);
+      bent.add(b_.shape[j], pose_b(x), 1, other);
+      t.radius = bent.radius();
+    }
+
     memory_type memory;
     if constexpr (remembers)
       if (const auto* old = s_.history.former(before, key)) memory = *old;
@@ -215,7 +233,10 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       s_.soft.fastest_approach = std::max(s_.soft.fastest_approach, -t.normal.dot(t.velocity));
     if constexpr (remembers) {
       if (last == history_place::none) last = s_.recorded.next_place();
-      s_.recorded.add(key, memory);
+      if constexpr (requires { state_type::history_type::memory::acts; })
+        s_.recorded.add(key, {memory, g.gap < 0 || !is_zero(f) || law::is_intact(memory)});
+      else
+        s_.recorded.add(key, memory);
     }
 
     A.force += f.force;
@@ -227,7 +248,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       if constexpr (law::exerts_moment) B->torque -= f.moment;
     }
     if constexpr (state_type::drives && !paired) press<ShapeB>(s_, j, f.force, A.inverse_mass);
-    if constexpr (booked) book(i, body_b(x), books, arm_a, arm_b, counts);
+    if constexpr (booked) book(x, books, f, t, arm_a, arm_b, counts);
     if constexpr (balanced) {
       vec3& ground = s_.monitors.momentum.ground_force;
       if (B == nullptr || B->inverse_mass == 0)
@@ -237,26 +258,37 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
     return f;
   }
-  void book(std::size_t i, std::size_t j, const booked_contact& c, const vec3& arm_a,
-            const vec3& arm_b, bool counts) {
+  void book(const body_pair& x, const booked_contact& c, const pair_force& f,
+            const contact_kinematics& t, const vec3& arm_a, const vec3& arm_b, bool counts) {
     spring_record& r = s_.monitors.springs;
+    real here = 0;
     if (counts) {
       r.normal += c.stored, r.released += c.released, r.across_before += c.across_before;
       r.across += c.across, r.yielded += c.yielded;
+      const auto p = contact_powers<real>::template of<law::central>(c, f, t);
+      r.spring_power += p.spring, r.dashpot_power += p.dashpot, r.friction_power += p.friction;
+      r.exchanged_power += std::abs(p.spring) + std::abs(p.dashpot) + std::abs(p.friction);
+      here = p.spring + p.dashpot + p.friction;
     }
-    const soft_body& A = s_.soft.bodies[first_a_ + i];
-    add_split(a_.split[i], 1, c, arm_a, turns<ShapeA>);
+    const soft_body& A = s_.soft.bodies[first_a_ + x.i];
+    const auto wall = [&](real sign, const vec3& v, const vec3& w, const vec3& arm) {
+      r.wall_power += power_on_body(sign, f.force, f.moment, v, w, arm);
+    };
     if constexpr (paired) {
-      const soft_body& B = s_.soft.bodies[first_b_ + j];
-      add_split(b_.split[j], -1, c, arm_b, turns<ShapeB>);
+      const soft_body& B = s_.soft.bodies[first_b_ + body_b(x)];
       if (B.inverse_mass == 0)
-        add_power(r, 1, c, B.v + B.w.cross(arm_b), B.w);
+        wall(1, B.v, B.w, arm_b);
       else if (A.inverse_mass == 0)
-        add_power(r, -1, c, A.v + A.w.cross(arm_a), A.w);
+        wall(-1, A.v, A.w, arm_a);
+      if (x.crosses_ranks())
+        r.power_elsewhere +=
+            here - (x.own_a ? power_on_body(1, f.force, f.moment, A.v, A.w, arm_a)
+                            : power_on_body(-1, f.force, f.moment, B.v, B.w, arm_b));
     } else if constexpr (state_type::drives) {
-      add_power(r, 1, c, surface_velocity_of(j, arm_b), b_.angular_velocity[j]);
+      r.wall_power +=
+          f.force.dot(surface_velocity_of(x.j, arm_b)) + f.moment.dot(b_.angular_velocity[x.j]);
     }
-    (void)j, (void)arm_b;
+    (void)A, (void)arm_b, (void)here, (void)wall;
   }
 
   [[nodiscard]] static bool is_zero(const pair_force& f) {
@@ -295,12 +327,9 @@ void gather_motion(world_state<Scenario>& s) {
   });
 }
 
-/// Calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the present state;
-/// over all ranks each acts on each of its bodies once; or observer(key, geometry, force on a,
-/// counts_here), where each counts on one rank; or observer(key, point, centre of a, centre of b,
-/// force and moment on a, counts_here). Changes nothing that a step depends on.
-template <class Scenario, class Observer>
-void observe_forces(world_state<Scenario>& s, Observer&& observer) {
+/// Finds the pairs of the present state, for an observer. Changes nothing that a step depends on.
+template <class Scenario>
+void prepare_observation(world_state<Scenario>& s) {
   std::vector<bool> changed;  // for the next step to read
   s.each_shape([&](const auto& b) { changed.push_back(b.globals_changed); });
   prepare_detection(s);
@@ -308,10 +337,28 @@ void observe_forces(world_state<Scenario>& s, Observer&& observer) {
   s.each_shape([&](auto& b) { b.globals_changed = changed[k++]; });
   update_flush_bodies(s);
   gather_motion(s);
-  using observer_type = std::remove_reference_t<Observer>;
+}
+
+/// Calls observer(key, force on a, acts_on_a, acts_on_b) for all contacts of the present state;
+/// over all ranks each acts on each of its bodies once; or observer(key, geometry, force on a,
+/// counts_here), where each counts on one rank; or observer(key, point, centre of a, centre of b,
+/// force and moment on a, counts_here); or adds up their stored energies. No rank waits for
+/// another, and shadow copies have the velocities that they have. Changes nothing that a step
+/// depends on.
+template <class Scenario, class Observer>
+void observe_contacts(world_state<Scenario>& s, Observer&& observer) {
+  prepare_observation(s);
   each_neighbour_pair(s, [&]<class A, class B, partner P>() {
-    return force_adder<Scenario, A, B, P, observer_type>(s, observer);
+    return force_adder<Scenario, A, B, P, std::remove_reference_t<Observer>>(s, observer);
   });
+}
+
+/// Collective: the same between two steps. All ranks of a contact see the same force.
+template <class Scenario, class Observer>
+void observe_forces(world_state<Scenario>& s, Observer&& observer) {
+  if constexpr (Scenario::integrator::shares_midway && !world_state<Scenario>::link_type::alone)
+    refresh_velocities(s);
+  observe_contacts(s, observer);
 }
 
 /// The energies of the springs in the present state. Searches for pairs only if those of the last
@@ -320,7 +367,7 @@ template <class Scenario>
 [[nodiscard]] spring_energies survey_springs(world_state<Scenario>& s) {
   spring_energies e;
   if (!pairs_hold_unchanged(s)) {
-    observe_forces(s, e);
+    observe_contacts(s, e);
     return e;
   }
   update_flush_bodies(s);
@@ -342,6 +389,24 @@ template <class Scenario>
   return e;
 }
 
+// The energy of the springs at both ends of a step, for the energy ledger. Forces are computed at
+// one of them, at the start or (Verlet) at the end; the energy at the other one is computed
+// separately.
+
+/// After the forces at the start of a step: the springs at the end of the last one, if they have
+/// not been measured since, and at the start of this one.
+template <class Scenario>
+void open_springs_as_measured(step_records<Scenario>& s) {
+  spring_record& r = s.monitors.springs;
+  signed_sum energy = r.normal;
+  (energy += r.released) += r.across_before;
+  if (std::exchange(r.undisturbed, false)) {
+    r.unclosed -= r.across_before;
+    close_springs(s, energy, r.unclosed);
+  }
+  open_springs(s, energy);
+}
+
 /// Forces and torques of all contacts, from the present positions and velocities; the springs of
 /// the contacts are advanced by dt. Needs the pairs of find_close_pairs().
 template <class Scenario>
@@ -357,9 +422,6 @@ void measure_forces(world_state<Scenario>& s) {
   if constexpr (monitored<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
   if constexpr (monitored<Scenario, energy_ledger>) {
     s.monitors.springs.measure_anew();
-    each_movable_store(s, [](auto& store, std::size_t) {
-      std::fill(store.split.begin(), store.split.end(), split_forces{});
-    });
   }
   if constexpr (monitored<Scenario, momentum_balance>)
     s.monitors.momentum.ground_force = vec3(0, 0, 0);
@@ -371,6 +433,8 @@ void measure_forces(world_state<Scenario>& s) {
       return force_adder<Scenario, A, B, P, std::nullptr_t>(s, nobody);
   });
   if constexpr (law::remembers) s.recorded.hold_places(), std::swap(s.history, s.recorded);
+  if constexpr (monitored<Scenario, energy_ledger> && !Scenario::integrator::shares_midway)
+    open_springs_as_measured(s);
 
   each_movable_store(s, [&](auto& store, std::size_t first) {
     if constexpr (std::remove_reference_t<decltype(store)>::keeps_contact_forces)
@@ -381,38 +445,55 @@ void measure_forces(world_state<Scenario>& s) {
   });
 }
 
-// The energy of the springs at both ends of a step, for the energy ledger. Forces are computed at
-// one of them, at the start or (Verlet) at the end; the energy at the other one is computed
-// separately.
-
+/// At the end of a step: the next one, or close_ledger(), closes it.
 template <class Scenario>
-void open_springs_as_measured(step_records<Scenario>& s) {
-  const spring_record& r = s.monitors.springs;
-  signed_sum energy = r.normal;
-  open_springs(s, (energy += r.released) += r.across_before);
+void leave_springs_open(step_records<Scenario>& s) {
+  spring_record& r = s.monitors.springs;
+  close_step(s);
+  r.unclosed = r.yielded;
+  r.unclosed += r.across;
+  r.undisturbed = true;
 }
 template <class Scenario>
-void survey_at_end(world_state<Scenario>& s) {
+void open_springs_midway(world_state<Scenario>& s) {
+  spring_record& r = s.monitors.springs;
+  if (std::exchange(r.undisturbed, false)) {
+    r.across_at_start = r.across;
+    r.start = r.stored;
+    return;
+  }
   const spring_energies now = survey_springs(s);
-  signed_sum opened = s.monitors.springs.across;
-  close_springs(s, now.sum(), opened -= now.across);
-}
-template <class Scenario>
-void survey_at_start(world_state<Scenario>& s) {
-  const spring_energies now = survey_springs(s);
-  s.monitors.springs.across_at_start = now.across;
+  r.across_at_start = now.across;
   open_springs(s, now.sum());
 }
 template <class Scenario>
 void close_springs_as_measured(step_records<Scenario>& s) {
-  const spring_record& r = s.monitors.springs;
-  signed_sum energy = r.normal, opened = r.across_at_start;
-  close_springs(s, energy += r.across, opened -= r.across_before);
+  spring_record& r = s.monitors.springs;
+  signed_sum energy = r.normal, lost = r.yielded;
+  (lost += r.across_at_start) -= r.across_before;
+  close_step(s);
+  close_springs(s, energy += r.across, lost);
+  r.undisturbed = true;
+}
+
+/// Completes the ledger of the last step, if that is still open: before anything but the steps
+/// reads the ledger, or changes what it books.
+template <class Scenario>
+void close_ledger(world_state<Scenario>& s) {
+  if constexpr (Scenario::contact_law::soft && monitored<Scenario, energy_ledger>) {
+    spring_record& r = s.monitors.springs;
+    if (!std::exchange(r.undisturbed, false)) return;
+    if constexpr (!Scenario::integrator::shares_midway) {
+      const spring_energies now = survey_springs(s);
+      r.unclosed -= now.across;
+      close_springs(s, now.sum(), r.unclosed);
+    }
+  }
 }
 
 /// Velocities of the bodies owned here, after their contacts, gravity and the user's forces have
 /// acted for the time `h`.
-template <class Scenario>
+template <forces_of Forces, class Scenario>
 void kick(world_state<Scenario>& s, real h) {
   const real kept = s.damping == 1 ? 1 : portable::pow(s.damping, h);
   [[maybe_unused]] auto sums = kick_sums_of(s);
@@ -430,6 +511,11 @@ void kick(world_state<Scenario>& s, real h) {
         torque = s.soft.bodies[first + i].torque;
       }
       [[maybe_unused]] const vec3 of_contacts = force, turn_of_contacts = torque;
+      [[maybe_unused]] real booked = 0;
+      if constexpr (monitored<Scenario, energy_ledger> && Forces == forces_of::this_step) {
+        const soft_body& body = s.soft.bodies[first + i];
+        booked = force.dot(body.v) + torque.dot(body.w);
+      }
       if constexpr (store_type::forced) {
         force += store.force[i];
         torque += store.torque[i];
@@ -443,13 +529,13 @@ void kick(world_state<Scenario>& s, real h) {
       const vec3 v = store.velocity[i] + h * (inverse_mass * force + s.gravity),
                  w = store.angular_velocity[i] + (h * inverse_mass) * torque;
       if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
-        book_kick(s, sums, store, i, h, kept, of_contacts, turn_of_contacts, v, w);
+        book_kick<Forces>(s, sums, store, i, h, kept, of_contacts, turn_of_contacts, booked, v, w);
       store.velocity[i] = kept * v;
       store.angular_velocity[i] = kept * w;
     }
   });
   if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
-    book_kick_of_fixed(s, h);
+    book_kick_of_contacts<Forces>(s, h);
 }
 
 /// Positions and orientations of the bodies owned here, after free motion for the time `h`.

@@ -49,12 +49,17 @@ struct books_of_step<Scenario, spring_energies> {
 template <class Scenario>
 requires monitored<Scenario, energy_ledger>
 struct books_of_step<Scenario, std::nullptr_t> {
-  exact_batch<signed_sum> normal, across_before, across, yielded;
+  exact_batch<signed_sum> normal, across_before, across, yielded, spring, dashpot, friction;
+  exact_batch<exact_sum> exchanged;
   books_of_step(world_state<Scenario>& s, std::nullptr_t)
       : normal(s.monitors.springs.normal),
         across_before(s.monitors.springs.across_before),
         across(s.monitors.springs.across),
-        yielded(s.monitors.springs.yielded) {}
+        yielded(s.monitors.springs.yielded),
+        spring(s.monitors.springs.spring_power),
+        dashpot(s.monitors.springs.dashpot_power),
+        friction(s.monitors.springs.friction_power),
+        exchanged(s.monitors.springs.exchanged_power) {}
 };
 
 /// Adds up the forces, with the springs advanced by a step; or, with spring_energies as observer,
@@ -128,7 +133,7 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   [[gnu::always_inline]] inline bool choose_pair(close_pair& pair, std::size_t k) {
     pair_[k] = &pair;
     if constexpr (!alone || imaged) {
-      counts_[k] = true;
+      counts_[k] = true, crosses_[k] = false;
       if (imaged || pair.i >= a_.locals || pair.j >= a_.locals) {
         body_pair x;
         x.i = pair.i, x.j = pair.j;
@@ -142,7 +147,7 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
         if (!x.acts_here()) return false;
         if (x.crosses_ranks()) {
           if (!this->known_to_both(x)) return false;
-          counts_[k] = x.own_a;
+          counts_[k] = x.own_a, crosses_[k] = true;
         }
         if constexpr (!surveyed) pair.last = before;
         if constexpr (imaged) {
@@ -170,15 +175,6 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     load(body_a_[k]), load(after(body_a_[k]));
     load(body_b_[k]), load(after(body_b_[k]));
     if constexpr (remembers) s_.history.prefetch(pair_[k]->last);
-    if constexpr (booked)
-      for (const soft_body* const body : {body_a_[k], body_b_[k]}) {
-        const char* const line = reinterpret_cast<const char*>(&split_of(body));
-        load(line), load(line + 64);
-      }
-  }
-  /// Where the parts of the forces on a body are added up.
-  [[nodiscard, gnu::always_inline]] inline split_forces& split_of(const soft_body* body) const {
-    return a_.split[static_cast<std::size_t>(body - (bodies_ + first_a_))];
   }
 
   /// The contacts of the pairs written down from `first` on.
@@ -216,10 +212,9 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     if constexpr (remembers) read_memory(first, live, old, memory);
     if constexpr (surveyed) {
       const auto e = law::template stored<number>(t, parameters_, memory);
-      for_lanes(live, [&](std::size_t l) {
-        if (counts_here(first + l))
-          books_.normal += lane(e.normal, l), books_.across += lane(e.kept, l);
-      });
+      const auto counting = counting_lanes(first, count, both(moves, touch));
+      books_.normal += choose(counting, e.normal, number{});
+      books_.across += choose(counting, e.kept, number{});
       return;
     }
     std::conditional_t<booked, booked_contact_of<number>, not_booked> books;
@@ -232,8 +227,10 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     if constexpr (remembers) write_memory(first, live, old, memory);
     count_contacts(first, live, g.gap);
     if constexpr (residual) add_square(first, live, dot(f.force, f.force));
-    if constexpr (booked) book(first, live, books, a, b);
-    if constexpr (booked || balanced) book_fixed(live, books, f.force, a, b);
+    if constexpr (booked)
+      book(counting_lanes(first, count, both(moves, touch)), books, f, t),
+          book_across_ranks(first, live, books, f, t, a, b);
+    if constexpr (booked || balanced) book_fixed(live, f, a, b);
 
     row_pack<real> force[lanes], torque_a[lanes], torque_b[lanes];
     vectors turn_a = every_lane_of<number>(0, 0, 0), turn_b = turn_a;
@@ -272,44 +269,54 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   }
 
   using booked_type = std::conditional_t<booked, booked_contact_of<number>, not_booked>;
-  /// The entries of contacts in the energy ledger. A dashpot along the normal does not turn
-  /// spheres.
-  [[gnu::always_inline]] inline void book(std::size_t first, unsigned live, const booked_type& c,
-                                          const body_at_contact<number>& a,
-                                          const body_at_contact<number>& b) {
-    for_lanes(live, [&](std::size_t l) {
-      if (!counts_here(first + l)) return;
-      books_.normal += lane(c.stored, l), books_.across_before += lane(c.across_before, l);
-      books_.across += lane(c.across, l), books_.yielded += lane(c.yielded, l);
-    });
-    constexpr bool turns = frictional_law<Scenario>;
-    row_pack<real> spring[lanes], dashpot[lanes], turn_a[lanes], turn_b[lanes];
-    rows_of_lanes<number>(c.spring, spring);
-    rows_of_lanes<number>(c.dashpot, dashpot);
-    if constexpr (turns) {
-      rows_of_lanes<number>(vectors(crossed(a.arm, c.spring) + c.spring_moment), turn_a);
-      rows_of_lanes<number>(vectors(crossed(b.arm, c.spring) + c.spring_moment), turn_b);
+  using kinematics = contact_kinematics_of<number>;
+  using powers = contact_powers<number>;
+  /// The lanes of contacts that count on this rank.
+  [[nodiscard, gnu::always_inline]] inline mask_of<number> counting_lanes(
+      std::size_t first, std::size_t count, mask_of<number> touch) const {
+    constexpr number places{0, 1, 2, 3, 4, 5, 6, 7};
+    touch = both(touch, places < every_lane<number>(static_cast<real>(count)));
+    if constexpr (!alone || imaged) {
+      number counts{};
+      for (std::size_t l = 0; l < lanes; ++l) counts[l] = counts_[first + l] ? 1 : 0;
+      touch = both(touch, counts > number{});
     }
-    const auto row = [](split_forces & body, const vec3& part) __attribute__((always_inline)) {
-      return row_of(body, part);
+    return (void)first, touch;
+  }
+  /// The entries of contacts in the energy ledger.
+  [[gnu::always_inline]] inline void book(const mask_of<number>& counting, const booked_type& c,
+                                          const pair_force_of<number>& f, const kinematics& t) {
+    const auto add = [&](auto& sum, const number& x) __attribute__((always_inline)) {
+      sum += choose(counting, x, number{});
     };
-    for_lanes(
-        live, [&](std::size_t l) __attribute__((always_inline)) {
-          split_forces& A = split_of(body_a_[first + l]);
-          split_forces& B = split_of(body_b_[first + l]);
-          store(row(A, A.spring), load(row(A, A.spring)) + spring[l]);
-          store(row(A, A.dashpot), load(row(A, A.dashpot)) + dashpot[l]);
-          if constexpr (turns)
-            store(row(A, A.spring_torque), load(row(A, A.spring_torque)) + turn_a[l]);
-          store(row(B, B.spring), load(row(B, B.spring)) - spring[l]);
-          store(row(B, B.dashpot), load(row(B, B.dashpot)) - dashpot[l]);
-          if constexpr (turns)
-            store(row(B, B.spring_torque), load(row(B, B.spring_torque)) - turn_b[l]);
-        });
+    const powers p = powers::template of<law::central>(c, f, t);
+    add(books_.normal, c.stored), add(books_.across_before, c.across_before);
+    add(books_.across, c.across), add(books_.yielded, c.yielded);
+    add(books_.spring, p.spring), add(books_.dashpot, p.dashpot), add(books_.friction, p.friction);
+    add(books_.exchanged,
+        size_of_lanes(p.spring) + size_of_lanes(p.dashpot) + size_of_lanes(p.friction));
+  }
+  /// The power on bodies of other ranks of the contacts that count here, and the reverse.
+  [[gnu::always_inline]] inline void book_across_ranks(
+      std::size_t first, unsigned live, const booked_type& c, const pair_force_of<number>& f,
+      const kinematics& t, const body_at_contact<number>& a, const body_at_contact<number>& b) {
+    if constexpr (alone) return;
+    powers p;
+    bool known = false;
+    for_lanes(live, [&](std::size_t l) {
+      if (!crosses_here(first + l)) return;
+      if (!std::exchange(known, true)) p = powers::template of<law::central>(c, f, t);
+      const bool of_a = counts_here(first + l);
+      const auto& own = of_a ? a : b;
+      const real here =
+          of_a ? lane(p.spring, l) + lane(p.dashpot, l) + lane(p.friction, l) : real(0);
+      s_.monitors.springs.power_elsewhere +=
+          here - power_on_body(of_a ? 1 : -1, lane(f.force, l), lane(f.moment, l), lane(own.v, l),
+                               lane(own.w, l), lane(own.arm, l));
+    });
   }
   /// Contacts with fixed spheres: their work and momentum.
-  [[gnu::always_inline]] inline void book_fixed(unsigned live, const booked_type& c,
-                                                const vectors& force,
+  [[gnu::always_inline]] inline void book_fixed(unsigned live, const pair_force_of<number>& f,
                                                 const body_at_contact<number>& a,
                                                 const body_at_contact<number>& b) {
     const unsigned fixed_a = bits_of(a.inverse_mass == real(0)),
@@ -320,17 +327,11 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       const bool of_b = (fixed_b >> l & 1) != 0;
       const real sign = of_b ? 1 : -1;
       const auto& fixed = of_b ? b : a;
-      if constexpr (booked) {
-        const booked_contact one{.spring = lane(c.spring, l),
-                                 .dashpot = lane(c.dashpot, l),
-                                 .friction = lane(c.friction, l),
-                                 .spring_moment = lane(c.spring_moment, l),
-                                 .friction_moment = lane(c.friction_moment, l)};
-        const vec3 w = lane(fixed.w, l);
-        add_power(s_.monitors.springs, sign, one, lane(fixed.v, l) + w.cross(lane(fixed.arm, l)),
-                  w);
-      }
-      if constexpr (balanced) s_.monitors.momentum.ground_force += sign * lane(force, l);
+      if constexpr (booked)
+        s_.monitors.springs.wall_power +=
+            power_on_body(sign, lane(f.force, l), lane(f.moment, l), lane(fixed.v, l),
+                          lane(fixed.w, l), lane(fixed.arm, l));
+      if constexpr (balanced) s_.monitors.momentum.ground_force += sign * lane(f.force, l);
     });
   }
 
@@ -443,6 +444,13 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     else
       return (void)k, true;
   }
+  /// Whether two ranks compute it.
+  [[nodiscard, gnu::always_inline]] inline bool crosses_here(std::size_t k) const {
+    if constexpr (!alone || imaged)
+      return crosses_[k];
+    else
+      return (void)k, false;
+  }
   [[gnu::always_inline]] inline void count_contacts(std::size_t first, unsigned live,
                                                     const number& gap) {
     auto& count = std::get<soft_contacts>(s_.contacts);
@@ -492,7 +500,8 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   std::array<soft_body*, most> body_a_, body_b_;
   std::array<const soft_place*, most> place_a_, place_b_;
   [[no_unique_address]] if_needed<!alone || imaged, std::array<bool, most>>
-      counts_;  ///< on this rank
+      counts_,   ///< on this rank
+      crosses_;  ///< two ranks compute it
   [[no_unique_address]] if_needed<imaged, std::array<soft_place, 2 * most>> images_;
 };
 

@@ -11,6 +11,7 @@
 #include "talus/features/penetration_monitor.hpp"
 #include "talus/features/sleeping/sleeping.hpp"
 #include "talus/ghosts/migrate_and_refresh.hpp"
+#include "talus/pairs/filtered_pairs.hpp"
 #include "talus/state/hooks.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/integrators/moreau_midpoint.hpp"
@@ -30,7 +31,9 @@ void step(world_state<Scenario>& s, real dt) {
     s.lengths.change(dt, fastest);
   }
   if (s.steps % steps_between_sorts == 0) sort_bodies(s);
+  if constexpr (world_state<Scenario>::filters) note_filters(s);
   notify_neighbours(s);
+  note_copies_sent(s, !Scenario::integrator::shares_midway);
   run_hooks<stages::at_start>(s);
   Scenario::integrator::step(s);
   run_hooks<stages::at_end>(s);

@@ -120,7 +120,7 @@ template <class Scenario>
     };
     add(key.a, -(a.radius + m.gap / 2) * g.normal), add(key.b, (b.radius + m.gap / 2) * g.normal);
   };
-  observe_forces(s, look);
+  observe_contacts(s, look);
   real least = std::numeric_limits<real>::infinity();
   for (std::size_t k = 0; k < bonds.size(); ++k)
     places.visit_number(k, [&](const auto& store, std::size_t i, bool global) {

@@ -104,14 +104,14 @@ std::uint64_t make_bonds(world<Scenario>& w, Wanted&& wanted) {
     beam.weakening = weakening_of(p, key.a, key.b);
     made.push_back({key, beam, counts});
   };
-  observe_forces(s, consider);
+  observe_contacts(s, consider);
   auto old = std::move(s.history);
   s.history = {};
   s.history.reset(old.entries().size() + made.size());
   s.found.forget_places();
   std::uint64_t count = 0;
   for (const found& f : made) {
-    typename law::memory m{};
+    typename world_state<Scenario>::history_type::memory m{};
     if (const auto* kept = old.find(f.key)) m = *kept;
     law::template of<parallel_bond>(m) = f.beam;
     s.history.add(f.key, m);
@@ -195,7 +195,7 @@ void for_each_bond(world<Scenario>& w, F&& f) {
                                      law::template of<parallel_bond>(s.soft.pairs.pair(ma, mb)), m);
     f(std::as_const(b));
   };
-  detail::observe_forces(s, look);
+  detail::observe_contacts(s, look);
 }
 
 /// Collective: the number of bonds of the world.

@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "talus/contact/acting_memory.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/features/sleeping/sleeping_islands.hpp"
@@ -137,28 +138,43 @@ class pair_points {
   plain_vector<contact_geometry> points_;
 };
 
-/// Calls f(contact, counts_here) for the contacts that carry a force and have a body owned here:
-/// over all ranks each counts once.
+/// The observer of soft forces that calls f(contact, counts_here) for those that are not zero.
 template <class Scenario, class F>
-void each_loaded_contact(world_state<Scenario>& s, const body_places<Scenario>& places, F&& f) {
+[[nodiscard]] auto soft_reporter(const world_state<Scenario>& s,
+                                 const body_places<Scenario>& places, F& f) {
+  return [&](const contact_key& key, const contact_geometry& g, const vec3& force, bool counts) {
+    if (force[0] == 0 && force[1] == 0 && force[2] == 0) return;
+    loaded_contact c{.a = key.a, .b = key.b, .feature = key.feature};
+    c.point = g.point, c.normal = g.normal, c.force = force, c.gap = g.gap;
+    bool bounded = true;
+    if (!add_ends(places, c, bounded)) return;
+    c.point = seen_from(s, c.centre_a, c.point);
+    if (!bounded) c.centre_b = c.point;
+    f(std::as_const(c), counts);
+  };
+}
+
+struct all_contacts {
+  bool operator()(const contact_key&) const { return true; }
+};
+
+/// Collective: calls f(contact, counts_here) for the contacts that carry a force and have a body
+/// owned here: over all ranks each counts once. Of hard contacts only those for whose key
+/// select(key) holds. At a stage of the step no rank waits for another.
+template <bool AtStage = false, class Scenario, class F, class Select = all_contacts>
+void each_loaded_contact(world_state<Scenario>& s, const body_places<Scenario>& places, F&& f,
+                         [[maybe_unused]] Select select = {}) {
   if constexpr (Scenario::contact_law::soft) {
-    const auto tell = [&](const contact_key& key, const contact_geometry& g, const vec3& force,
-                          bool counts) {
-      if (force[0] == 0 && force[1] == 0 && force[2] == 0) return;
-      loaded_contact c{.a = key.a, .b = key.b, .feature = key.feature};
-      c.point = g.point, c.normal = g.normal, c.force = force, c.gap = g.gap;
-      bool bounded = true;
-      if (!add_ends(places, c, bounded)) return;
-      c.point = seen_from(s, c.centre_a, c.point);
-      if (!bounded) c.centre_b = c.point;
-      f(std::as_const(c), counts);
-    };
-    observe_forces(s, tell);
+    auto report = soft_reporter(s, places, f);
+    if constexpr (AtStage)
+      observe_contacts(s, report);
+    else
+      observe_forces(s, report);
   } else {
     if (!(s.dt > 0)) return;
     pair_points<Scenario> points(s, places);
     const auto tell = [&](const stored_contact& r) {
-      if (r.memory[0] == 0 && r.memory[1] == 0 && r.memory[2] == 0) return;
+      if (!has_acted(r.memory) || !select(r.key)) return;
       loaded_contact c{.a = r.key.a, .b = r.key.b, .feature = r.key.feature};
       c.force = r.memory / s.dt;
       bool bounded = true;
@@ -180,12 +196,13 @@ void each_loaded_contact(world_state<Scenario>& s, F&& f) {
 
 }  // namespace detail
 
-/// Calls f(contact) for the contacts of the present state that carry a force: over all ranks once
-/// for each, on the rank that owns its body a, or b if a cannot move. No rank waits for another.
-/// There are none before the first step.
+/// Collective: calls f(contact) for the contacts of the present state that carry a force: over all
+/// ranks once for each, on the rank that owns its body a, or b if a cannot move. With
+/// integrator<velocity_verlet> neighbours exchange velocities first. There are none before the
+/// first step.
 template <class Scenario, class F>
 void for_each_contact(world<Scenario>& w, F&& f) {
-  w.note_reading("for_each_contact");
+  w.require_all_ranks("for_each_contact");
   detail::each_loaded_contact(detail::state_of(w), [&](const loaded_contact& c, bool counts) {
     if (counts) f(c);
   });

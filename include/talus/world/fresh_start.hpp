@@ -139,6 +139,7 @@ void begin_afresh(world<Scenario>& w, const pending_wakes& wakes) {
     s.choice = {};
   }
   s.changed = true;
+  if constexpr (state::filters) s.filtered.known = false;  // what sleeps after a restart stays so
   if constexpr (state::sleeps) {
     auto frozen = alone ? std::move(s.sleep.contacts) : of_own_bodies(s.sleep.contacts, own);
     auto settings = s.sleep.settings;

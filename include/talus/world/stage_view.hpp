@@ -12,80 +12,16 @@
 #include <utility>
 #include <vector>
 
+#include "talus/contact/acting_memory.hpp"
 #include "talus/state/feature_states.hpp"
 #include "talus/state/hooks.hpp"
 #include "talus/state/state.hpp"
+#include "talus/world/chosen_contacts.hpp"
 #include "talus/world/contact_memories.hpp"
 #include "talus/world/each_contact.hpp"
+#include "talus/world/stage_body.hpp"
 
 namespace talus {
-
-/// A body at a stage of the step. `Columns` are those that the feature may write.
-template <class Scenario, class Store, class Columns>
-class stage_body {
-  using store_type = std::remove_const_t<Store>;
-  using state_type = std::conditional_t<std::is_const_v<Store>, const detail::world_state<Scenario>,
-                                        detail::world_state<Scenario>>;
-
- public:
-  using shape_type = typename store_type::shape_type;
-
-  stage_body(state_type& s, Store& store, std::size_t i, bool global, std::size_t number)
-      : s_(s), store_(store), i_(i), global_(global), number_(number) {}
-
-  /// Number of the body, the same on all ranks.
-  [[nodiscard]] system_id id() const { return store_.id[i_]; }
-  /// Its index in a list of all bodies known here, from 0 to stage_view::bodies() - 1.
-  [[nodiscard]] std::size_t number() const { return number_; }
-  /// Whether this rank owns it.
-  [[nodiscard]] bool is_local() const { return !global_ && i_ < store_.locals; }
-  /// Whether it is known on all ranks.
-  [[nodiscard]] bool is_global() const { return global_; }
-  /// Whether it can move.
-  [[nodiscard]] bool is_fixed() const { return global_ || store_.fixed(i_); }
-  /// Form and size.
-  [[nodiscard]] const shape_type& shape() const { return store_.shape[i_]; }
-  /// Position of the centre of mass, length.
-  [[nodiscard]] const vec3& position() const { return store_.position[i_]; }
-  /// Velocity of the centre of mass, length over time.
-  [[nodiscard]] const vec3& velocity() const { return store_.velocity[i_]; }
-  /// World frame, radians over time.
-  [[nodiscard]] const vec3& angular_velocity() const { return store_.angular_velocity[i_]; }
-  /// Position and orientation.
-  [[nodiscard]] talus::pose pose() const { return store_.pose(i_); }
-  /// The material of the body.
-  [[nodiscard]] const talus::material& material() const {
-    return s_.materials[store_.material[i_]];
-  }
-  /// By density and volume, also of a fixed body.
-  [[nodiscard]] real mass() const requires(shape_type::finite) {
-    return material().density * shape().volume();
-  }
-  /// The value of a column; its default if this shape does not carry it.
-  template <class Column>
-  [[nodiscard]] typename Column::value_type get() const {
-    if constexpr (store_type::template has<Column>)
-      return store_.template column<Column>()[i_];
-    else
-      return detail::initial_of<Column>();
-  }
-  /// Sets the value of a column of the feature, of a body that this rank owns. Shadow copies
-  /// receive it at the next exchange, if the column is sent to them.
-  template <class Column>
-  void set(const typename Column::value_type& value) const requires(!std::is_const_v<Store>) {
-    static_assert(detail::contains_type<Columns, Column>,
-                  "a hook sets columns of its own feature: add the column to its `columns`");
-    store_.template column<Column>()[i_] = value;
-    if constexpr (detail::travel_of<Column>() == travels::when_changed) s_.changed = true;
-  }
-
- private:
-  state_type& s_;
-  Store& store_;
-  std::size_t i_;
-  bool global_;
-  std::size_t number_;
-};
 
 /// A contact of the step, with the indices of its bodies in the list of all known here.
 struct stage_contact : loaded_contact {
@@ -138,7 +74,7 @@ class stage_view {
   void for_each_known(F&& f) const {
     std::size_t number = 0;
     s_.each_shape([&](const auto& b) {
-      using store = std::remove_reference_t<decltype(b.movable)>;
+      using store = const std::remove_reference_t<decltype(b.movable)>;
       const auto each = [&](store& bodies, bool global) {
         for (std::size_t i = 0; i < bodies.size(); ++i)
           f(stage_body<Scenario, store, columns>(s_, bodies, i, global, number++));
@@ -155,6 +91,60 @@ class stage_view {
     find_contacts();
     for (const stage_contact& c : contacts_) f(c);
   }
+  /// Whether no body that this rank knows can move in this step, so that no contact here begins or
+  /// ends. False with features<continuous_collision>, which may wake bodies in the step.
+  [[nodiscard]] bool at_rest() const { return !state_type::continuous && detail::all_rest(s_); }
+  /// Calls f(contact) at after_solve for the contacts of these pairs that carry a force, in the
+  /// order of for_each_contact(). The pairs are in ascending order, each once and with the lesser
+  /// id first. Costs the geometry of these pairs; no rank waits for another.
+  template <class F>
+  void for_each_contact_of(const std::vector<std::pair<system_id, system_id>>& pairs, F&& f) {
+    if (!places_) places_.emplace(s_);
+    std::vector<stage_contact> contacts;
+    detail::each_chosen_contact(s_, *places_, pairs, [&](const loaded_contact& c, bool counts) {
+      contacts.push_back({c, places_->number_of(c.a), places_->number_of(c.b), counts});
+    });
+    sort_contacts(contacts);
+    for (const stage_contact& c : contacts) f(c);
+  }
+  /// Calls f(id of a, id of b, counts here, impulse) for the contacts that the memory of this rank
+  /// has of bodies that it owns, once for each point: before after_solve those of the last step,
+  /// then those of this one. The impulse is that of the step, 0 for soft contacts. A hard contact
+  /// is among them if it carried a force, also while its bodies sleep; a soft one as long as its
+  /// law remembers it or, with features<events> and a law that acts at a distance, if it carried a
+  /// force. Contacts with a body that this rank no longer knows are left out. Costs no detection.
+  /// The memory of a contact migrates with its bodies, and checkpoints hold it.
+  template <class F>
+  void for_each_touching(F&& f) {
+    constexpr bool soft = Scenario::contact_law::soft;
+    if constexpr (soft)
+      static_assert(
+          Scenario::contact_law::remembers,
+          "for_each_touching takes what contacts remember, and this soft contact remembers "
+          "nothing: add coulomb_friction to soft_contact<...>");
+    if (!places_) places_.emplace(s_);
+    const auto report = [&](const auto& e) {
+      bool known = true, own[2] = {false, false}, moves[2] = {false, false};
+      for (const int k : {0, 1})
+        known = known && places_->visit(k == 0 ? e.key.a : e.key.b,
+                                        [&](const auto& store, std::size_t i, bool global) {
+                                          moves[k] = !global && !store.fixed(i);
+                                          own[k] = moves[k] && i < store.locals;
+                                        });
+      if (!known || (!own[0] && !own[1])) return;
+      real impulse = 0;
+      if constexpr (!soft) impulse = e.memory.norm();
+      f(e.key.a, e.key.b, moves[0] ? own[0] : own[1], impulse);
+    };
+    std::vector<const entry_type*> chosen;
+    const auto choose = [&](const entry_type& e) {
+      if (detail::has_acted(e.memory)) chosen.push_back(&e);
+    };
+    for (const entry_type& e : std::as_const(s_.history).entries()) choose(e);
+    if constexpr (state_type::sleeps) detail::each_frozen_contact(s_, choose);
+    detail::sort_by_key(chosen);
+    for (const entry_type* e : chosen) report(*e);
+  }
   /// Calls f(contact_memory) for the memories that `Law` has of contacts that act on a movable body
   /// owned here and for which select(memory) holds, in an order that depends on the ids of the
   /// bodies. f may change them: the next step starts from that. Both ranks see the memory of a
@@ -166,6 +156,7 @@ class stage_view {
     std::vector<entry_type*> chosen;
     for (entry_type& e : s_.history.entries())
       if (select(std::as_const(law::template of<Law>(e.memory)))) chosen.push_back(&e);
+    if (!chosen.empty()) detail::close_ledger(s_);  // f may change the energy of springs
     visit_memories<Law>(chosen, f);
   }
   /// At after_solve the same for the memories before the forces of the step, to read: for those for
@@ -238,12 +229,15 @@ class stage_view {
     };
     if constexpr (Scenario::contact_law::soft) {
       const auto forces = s_.soft.bodies;  // of the step under way
-      each_loaded_contact(s_, *places_, note);
+      each_loaded_contact<true>(s_, *places_, note);
       s_.soft.bodies = forces;
     } else {
-      each_loaded_contact(s_, *places_, note);
+      each_loaded_contact<true>(s_, *places_, note);
     }
-    std::sort(contacts_.begin(), contacts_.end(), [](const auto& x, const auto& y) {
+    sort_contacts(contacts_);
+  }
+  static void sort_contacts(std::vector<stage_contact>& contacts) {
+    std::sort(contacts.begin(), contacts.end(), [](const auto& x, const auto& y) {
       return std::tie(x.a, x.b, x.feature) < std::tie(y.a, y.b, y.feature);
     });
   }

@@ -60,9 +60,9 @@ class body_view {
   [[nodiscard]] talus::pose pose() const { return store_->pose(i_); }
   /// Its material: see world.materials().
   [[nodiscard]] material_id material() const { return store_->material[i_]; }
-  /// Mass by density and volume, also of a fixed body.
+  /// Mass, also of a fixed body.
   [[nodiscard]] real mass() const requires(Shape::finite) {
-    return s_->materials[material()].density * shape().volume();
+    return detail::mass_of(*store_, i_, s_->materials);
   }
   /// Principal moments of inertia in the frame of the body, also of a fixed body.
   [[nodiscard]] vec3 inertia() const requires(Shape::finite) { return mass() * shape().inertia(); }
@@ -94,6 +94,7 @@ class body_view {
                   "has it to the features<...> of the scenario");
     prepare_change(Column::name, vec3(0, 0, 0));
     store_->template column<Column>()[i_] = value;
+    if constexpr (detail::travel_of<Column>() == travels::when_changed) s_->note_filtered_change();
   }
   /// A fixed body stays in place, but carries along the bodies that touch it, as a belt does.
   void set_velocity(const vec3& v) {
@@ -130,13 +131,19 @@ class body_view {
       store_->shape[i_].rotate(turn, position());
     s_->template of<Shape>().globals_changed |= global_;
   }
-  /// Makes the body immovable.
+  /// Makes the body immovable. It keeps its mass for the time when it is released.
   void fix() {
     prepare_change("fixation", vec3(0, 0, 0));
+    if constexpr (Shape::finite)
+      if (!is_fixed() && mass() != s_->materials[material()].density * shape().volume())
+        store_->keep_mass(i_, store_->inverse_mass[i_]);
+    if constexpr (state_type::follows_contacts)
+      if (!is_fixed()) detail::note_parted(*s_, id(), false);
     store_->flags[i_] |= detail::flag_fixed;
     store_->inverse_mass[i_] = 0;
     store_->velocity[i_].setZero();
     store_->angular_velocity[i_].setZero();
+    s_->note_filtered_change();
     if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
   }
   /// Makes a fixed body movable again. A global body stays fixed: logic_error.
@@ -150,15 +157,20 @@ class body_view {
           "global body {} cannot be made movable: global bodies are fixed and never local; add it "
           "outside of the global section instead",
           id());
+    if (!is_fixed()) return;
     if constexpr (Scenario::contact_law::soft)
       detail::require_yielding<typename Scenario::contact_law::law, Shape>(
           s_->materials[material()]);
+    store_->inverse_mass[i_] = store_->keeps_mass(i_) ? store_->kept.inverse_of(id()) : 1 / mass();
+    store_->forget_mass(i_);
     store_->flags[i_] &= static_cast<std::uint8_t>(~detail::flag_fixed);
-    store_->inverse_mass[i_] = 1 / mass();
+    s_->note_filtered_change();
     if constexpr (!state_type::link_type::alone)
       detail::note_release(*s_, *store_, i_);
     else if (s_->by_colours())
       detail::clear_history_of(*s_, id());
+    else if constexpr (state_type::follows_contacts)
+      detail::note_parted(*s_, id(), true);
     if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
   }
   /// Wakes the island of the body, and resets its rest time. (So does every change of a body except

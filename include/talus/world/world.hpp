@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "talus/body/body.hpp"
+#include "talus/body/mass.hpp"
 #include "talus/core/field_names.hpp"
 #include "talus/core/random.hpp"
 #include "talus/core/rounding.hpp"
@@ -339,9 +340,10 @@ class world {
   /// Throws invalid_argument for values out of range and for a position in a foreign domain, and
   /// logic_error for an infinite body outside of a global section.
   template <class Shape>
-  handle<Shape> add(const body<Shape>& b) requires(detail::takes_shape<Scenario, Shape>) {
+  handle<Shape> add(const body<Shape>& given) requires(detail::takes_shape<Scenario, Shape>) {
     if constexpr (detail::require_shape<Scenario, Shape>()) {
-      detail::require_sane(b, state_.materials);
+      detail::require_sane(given, state_.materials, sections_.global);
+      const auto& b = detail::with_own_inertia(given, state_.materials);
       if (sections_.global) return add_global(b);
       if constexpr (!Shape::finite) {
         detail::fail<std::logic_error>(
@@ -396,13 +398,14 @@ class world {
   /// Adds the body on the rank that owns its centre and returns its handle there. All ranks call it
   /// alike, so its id is the same for every number of ranks.
   template <class Shape>
-  std::optional<handle<Shape>> add_if_local(const body<Shape>& b) requires(
+  std::optional<handle<Shape>> add_if_local(const body<Shape>& given) requires(
       detail::takes_shape<Scenario, Shape>) {
     static_assert(Shape::finite,
                   "an infinite body, such as a plane, is known on all ranks: add it in "
                   "world.global([&](auto& scope) { scope.add(plane{}, material); })");
     if constexpr (detail::require_shape<Scenario, Shape>() && Shape::finite) {
-      detail::require_sane(b, state_.materials);
+      detail::require_sane(given, state_.materials);
+      const auto& b = detail::with_own_inertia(given, state_.materials);
       sections_.require_all_ranks("add_if_local", rank());
       sections_.refuse_in_global("add_if_local", rank());
       require_in_box(Shape::name, b.position);
@@ -619,6 +622,11 @@ class world {
   void after_each_step(std::string_view name, std::function<void()> f) {
     observers_.push_back({std::move(f), state_.functions.number(name)});
   }
+  /// The same for an f that changes neither bodies nor parameters. (With soft contacts and
+  /// features<energy_ledger> the others cost a pass over the contacts in each step.)
+  void monitor_each_step(std::string_view name, std::function<void()> f) {
+    observers_.push_back({std::move(f), state_.functions.number(name), 0});
+  }
   /// Calls f(world) after each step of simulate() whose number is a multiple of `when.steps`, on
   /// all ranks: `world.observe(every{100}, [](auto& world) { ... })`. f may call collective
   /// functions of the world. Throws invalid_argument for a multiple of 0.
@@ -643,6 +651,7 @@ class world {
         f(*this);
         agree_ = true;
       });
+      observers_.back().acts_every = when.steps;
     }
   }
   /// Calls f() after each step of simulate(), after all functions of after_each_step() and
@@ -651,6 +660,10 @@ class world {
   /// The same; the summary of the run tells the time of f under this name.
   void after_observers(std::string_view name, std::function<void()> f) {
     writers_.push_back({std::move(f), state_.functions.number(name)});
+  }
+  /// The same for an f that changes neither bodies nor parameters.
+  void monitor_after_observers(std::string_view name, std::function<void()> f) {
+    writers_.push_back({std::move(f), state_.functions.number(name), 0});
   }
   /// Calls f() at the start of each simulate(), when all bodies are with their owners.
   void before_simulating(std::function<void()> f) { before_simulating({}, std::move(f)); }
@@ -816,8 +829,11 @@ class world {
   bool agree_ = false;       ///< a function of observe() was called in the present step
   using called = std::vector<detail::named_function<std::function<void()>>>;
   using laps = detail::lap_clock<detail::world_state<Scenario>>;
-  static void call(const called& all, laps& clock) {
-    for (const auto& one : all) one.f(), clock.lap(one.number);
+  void call(const called& all, laps& clock) {
+    for (const auto& one : all) {
+      if (one.acts_every != 0 && state_.steps % one.acts_every == 0) detail::close_ledger(state_);
+      one.f(), clock.lap(one.number);
+    }
   }
   called observers_, writers_, starters_;
   unit_names units_;

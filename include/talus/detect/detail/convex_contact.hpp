@@ -8,6 +8,7 @@
 #include <span>
 
 #include "talus/contact/contact_geometry.hpp"
+#include "talus/detect/detail/convex_climb.hpp"
 #include "talus/detect/detail/convex_depth.hpp"
 #include "talus/detect/detail/convex_distance.hpp"
 #include "talus/detect/detail/convex_patch.hpp"
@@ -31,17 +32,18 @@ class convex_contact {
         smallest_(std::min(a.smallest(), b.smallest())) {}
 
   /// The points with a gap of at most the margin, at most 16. (A list, so that this is compiled
-  /// once for all uses of the points.)
-  [[nodiscard]] std::span<const contact_geometry> find() {
+  /// once for all uses of the points.) Without `climb` the pair has been refused by a function of
+  /// its own that begins with the normal, as two smooth bodies do here.
+  [[nodiscard]] std::span<const contact_geometry> find(bool climb = true) {
     size_ = 0;
-    search();
+    search(climb);
     return {found_.data(), size_};
   }
 
  private:
   static constexpr Real level_ = Real(0.005);
 
-  void search() {
+  void search(bool climb) {
     const face_axis of_a = best_face(a_, b_), of_b = best_face(b_, a_);
     if (of_a.gap > margin_ || of_b.gap > margin_) return;
     const bool by_b = of_a.face < 0 || of_b.gap > of_a.gap + tolerance(of_a.gap);
@@ -51,6 +53,7 @@ class convex_contact {
     if (face.gap >= -level_ * smallest_ && by_face(face, by_b, face.gap)) return;
 
     const convex_pair<Real> pair{a_, b_};
+    if (climb && a_.featureless() && b_.featureless() && by_climbing(pair)) return;
     core_distance<Real> nearest = distance_of<Real>(pair, a_.centre() - b_.centre(),
                                                     Real(1e-6) * smallest_, margin_ + rounding_);
     if (nearest.state == separation::beyond) return;
@@ -60,11 +63,35 @@ class convex_contact {
       if (gap > margin_) return;
       if (face.gap >= gap - tolerance(gap) && by_face(face, by_b, gap)) return;
     }
+    if (a_.smooth() || b_.smooth()) sharpen<Real>(pair, nearest, size());
     const Real gap = nearest.gap - rounding_;
     if (gap > margin_ || by_lines(nearest, gap)) return;
-    const vector on_a = nearest.on_a - a_.rounding() * nearest.normal,
-                 on_b = nearest.on_b + b_.rounding() * nearest.normal;
-    emit(nearest.normal, Real(0.5) * (on_a + on_b), gap, 0, 0);
+    single(nearest.normal, nearest.on_a, nearest.on_b, gap);
+  }
+
+  /// Length that rounding errors of positions are proportional to.
+  [[nodiscard]] Real size() const {
+    return (a_.centre() - b_.centre()).norm() + smallest_ + rounding_;
+  }
+  /// Two bodies without faces and edges, unless they overlap deeply. The gap along a normal has one
+  /// maximum as long as the depth is below the sum of the smallest radii of curvature: the
+  /// difference of the bodies is then that sum around a convex body without the origin.
+  [[nodiscard]] bool by_climbing(const convex_pair<Real>& pair) {
+    const vector between = a_.centre() - b_.centre();
+    if (!(between.squaredNorm() > 0)) return false;
+    const held_pair<Real> search{pair, held_part<Real>{}, held_part<Real>{}};
+    const summit_of<Real> s =
+        climb<Real>(search, between, vector::Zero(), margin_ + rounding_, size());
+    if (s.state == climbed::beyond) return true;
+    const Real unique = Real(0.5) * (a_.sharpest() + b_.sharpest());
+    if (s.state == climbed::lost || s.gap < -std::min(Real(0.1) * smallest_, unique)) return false;
+    single(s.normal, s.at.a, s.at.b, s.gap - rounding_);
+    return true;
+  }
+  /// One contact, of points on the cores.
+  void single(const vector& normal, const vector& core_a, const vector& core_b, Real gap) {
+    const vector on_a = core_a - a_.rounding() * normal, on_b = core_b + b_.rounding() * normal;
+    emit(normal, Real(0.5) * (on_a + on_b), gap, 0, 0);
   }
 
   /// The face that separates the shapes best, and the gap of the surfaces along its normal.
@@ -112,7 +139,8 @@ class convex_contact {
     outline<Real> reference, incident;
     one.face_outline(face.face, reference);
     other.outline_along(-up, most_corners, incident);
-    convex_patch<Real> patch(reference, up, incident, Real(1e-3) * smallest_);
+    convex_patch<Real> patch(reference, up, incident,
+                             other.smooth() ? Real(0) : Real(1e-3) * smallest_);
     const bool apart = wanted > Real(1e-6) * smallest_;
     const Real enough =
         wanted + (apart ? Real(0.05) * wanted + Real(1e-4) * smallest_ : tolerance(wanted));

@@ -177,6 +177,7 @@ template <class Real>
   best.on_a = facet.corners[0].a, best.on_b = facet.corners[0].b;
   simplex<Real> corners;
   for (const auto& p : facet.corners) corners.add(p, true);
+  best.corners = corners;
   vector moved = vector::Zero();
   // If one core is shifted slightly outside along the right direction, the nearest points are those
   // of deepest penetration. The normals of the facets of a round surface only approximate this
@@ -193,6 +194,7 @@ template <class Real>
     if (gap < best.gap - Real(1e-4) * smallest) break;
     best.on_a = apart.on_a - out;
     best.on_b = apart.on_b;
+    best.corners = apart.corners, best.shift = out;
     if (!(gap > best.gap)) break;
     best.gap = gap;
     best.normal = apart.normal;

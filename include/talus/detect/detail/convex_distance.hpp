@@ -41,6 +41,8 @@ class simplex {
 
  public:
   [[nodiscard]] int size() const { return size_; }
+  [[nodiscard]] const difference_point<Real>& corner(int i) const { return points_[i]; }
+  [[nodiscard]] Real weight(int i) const { return weights_[i]; }
   [[nodiscard]] bool contains(const vector& w) const {
     for (int i = 0; i < size_; ++i)
       if (points_[i].w == w) return true;
@@ -149,11 +151,14 @@ struct core_distance {
   Real gap = 0;
   vector3<Real> normal{0, 0, 0}, on_a{0, 0, 0}, on_b{0, 0, 0};
   simplex<Real> corners;
+  vector3<Real> shift{0, 0, 0};  ///< of a, when the corners were found
 };
 
 /// `beyond` if the distance is more than `limit`, `touching` if it is at most `least` (or the cores
 /// overlap); the rest is set only where they are `apart`. Begins with the corners of an answer to a
-/// similar question, or else with `guess`, any direction.
+/// similar question, or else with `guess`, any direction. After 100 steps the gap is that along the
+/// best direction so far, by which the cores are apart for certain, and they are `touching` if it
+/// is at most `least`.
 template <class Real>
 [[nodiscard]] core_distance<Real> distance_of(const convex_pair<Real>& pair,
                                               const vector3<Real>& guess, Real least, Real limit,
@@ -165,7 +170,8 @@ template <class Real>
   if (!(v.squaredNorm() > 0)) v = {1, 0, 0};
   Real square = s.size() > 0 ? v.squaredNorm() : std::numeric_limits<Real>::infinity();
   bool outside = s.size() > 0;  // some direction separates the two
-  for (int k = s.size(); k < 100; ++k) {
+  int k = s.size();
+  for (; k < 100; ++k) {
     const difference_point<Real> p = pair.support(-v);
     const Real along = v.dot(p.w), length = v.norm();
     if (along > limit * length) {
@@ -182,9 +188,11 @@ template <class Real>
     if (k > 0 && now >= square) break;
     s = next, v = nearer, square = now;
   }
-  found.state = separation::apart;
   found.gap = std::sqrt(square);
   found.normal = v / found.gap;
+  if (k == 100) found.gap = pair.gap_along(found.normal);
+  if (!(found.gap > least)) return found;
+  found.state = separation::apart;
   found.on_a = s.on_a();
   found.on_b = s.on_b();
   found.corners = s;

@@ -1,8 +1,9 @@
 #pragma once
 // The view of a shape for the general convex routines: furthest points, flat faces and straight
-// edges, in one type for all shapes, so that they are compiled once. A capsule is a segment with a
-// distance around it, its rounding. Everything in the convex_*.hpp files is a template of the
-// scalar, so that worlds without such shapes do not compile it.
+// edges, in one type for all shapes, so that they are compiled once. It is made of the form of the
+// shape (shape/convex_form.hpp). A capsule is a segment with a distance around it, its rounding.
+// Everything in the convex_*.hpp files is a template of the scalar, so that worlds without such
+// shapes do not compile it.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -11,10 +12,8 @@
 #include "talus/core/math.hpp"
 #include "talus/core/portable_powers.hpp"
 #include "talus/detect/detail/box_frame.hpp"
-#include "talus/shape/box.hpp"
-#include "talus/shape/capsule.hpp"
-#include "talus/shape/convex_polyhedron.hpp"
-#include "talus/shape/cylinder.hpp"
+#include "talus/shape/convex_form.hpp"
+#include "talus/shape/polyhedron_mesh.hpp"
 
 namespace talus::detail {
 
@@ -46,23 +45,31 @@ class convex_view {
   using vector = vector3<Real>;
 
  public:
-  convex_view(const box& s, const pose& at) : convex_view(kind::box, at) {
-    half_ = s.half();
+  convex_view(const block_form& f, const pose& at) : convex_view(kind::box, at) {
+    half_ = f.half;
     inner_ = smallest_ = half_.minCoeff();
   }
-  convex_view(const capsule& s, const pose& at) : convex_view(kind::segment, at) {
-    half_ = {0, 0, s.length / 2};
-    rounding_ = smallest_ = s.radius;
+  convex_view(const segment_form& f, const pose& at) : convex_view(kind::segment, at) {
+    half_ = {0, 0, f.half};
+    rounding_ = smallest_ = f.rounding;
   }
-  convex_view(const cylinder& s, const pose& at) : convex_view(kind::cylinder, at) {
-    half_ = {s.radius, s.radius, s.length / 2};
+  convex_view(const drum_form& f, const pose& at) : convex_view(kind::cylinder, at) {
+    half_ = {f.radius, f.radius, f.half};
     inner_ = smallest_ = half_.minCoeff();
   }
-  convex_view(const convex_polyhedron& s, const pose& at) : convex_view(s.mesh(), at) {}
-  convex_view(const polyhedron_mesh& mesh, const pose& at) : convex_view(kind::mesh, at) {
-    mesh_ = &mesh;
-    smallest_ = mesh_->measured.half_width;
+  convex_view(const mesh_form& f, const pose& at) : convex_view(kind::mesh, at) {
+    mesh_ = f.mesh;
+    rounding_ = f.rounding;
+    smallest_ = mesh_->measured.half_width + rounding_;
     inner_ = mesh_->measured.inner_radius;
+  }
+  convex_view(const ball_form& f, const pose& at) : convex_view(kind::point, at) {
+    rounding_ = smallest_ = f.radius;
+  }
+  convex_view(const smooth_form& f, const pose& at) : convex_view(kind::smooth, at) {
+    smooth_ = f;
+    smallest_ = f.thickness;
+    inner_ = f.inner;
   }
 
   [[nodiscard]] const vector& centre() const { return centre_; }
@@ -70,12 +77,30 @@ class convex_view {
   [[nodiscard]] Real rounding() const { return rounding_; }
   /// The approximate thickness of the shape, the scale of tolerances.
   [[nodiscard]] Real smallest() const { return smallest_; }
-  [[nodiscard]] bool curved() const { return kind_ == kind::cylinder; }
+  [[nodiscard]] bool curved() const { return kind_ == kind::cylinder || smooth(); }
+  [[nodiscard]] bool smooth() const { return kind_ == kind::smooth; }
+  /// Whether the core has neither faces nor edges.
+  [[nodiscard]] bool featureless() const { return smooth() || kind_ == kind::point; }
 
   /// A point of the core furthest along a direction.
   [[nodiscard]] vector support(const vector& direction) const {
     const vector d = axes_.transpose() * direction;
     return place(local_support(d));
+  }
+
+  [[nodiscard]] bool has_level() const { return smooth_.level != nullptr; }
+  /// The function whose level is the surface of a smooth shape, with derivatives times `size`.
+  [[nodiscard]] surface_level level(const vector& p, Real size) const {
+    return turned(smooth_.level(smooth_.shape, local(p)), axes_, size);
+  }
+
+  /// The ends of the axis of a cylinder, first the one that is nearer to the point `p`, and its
+  /// radius; false for other shapes.
+  [[nodiscard]] bool round_axis(const vector& p, vector& from, vector& to, Real& radius) const {
+    if (kind_ != kind::cylinder) return false;
+    const Real near = axes_.col(2).dot(p - centre_) < 0 ? -half_[2] : half_[2];
+    from = place({0, 0, near}), to = place({0, 0, -near}), radius = half_[0];
+    return true;
   }
 
   [[nodiscard]] int faces() const {
@@ -86,7 +111,7 @@ class convex_view {
         return 2;
       case kind::mesh:
         return static_cast<int>(mesh_->faces());
-      case kind::segment:
+      default:
         break;
     }
     return 0;
@@ -108,6 +133,8 @@ class convex_view {
   }
   /// Radius of a ball around the centre inside the core.
   [[nodiscard]] Real inner_radius() const { return inner_; }
+  /// Smallest radius of curvature of a smooth core, about.
+  [[nodiscard]] Real sharpest() const { return smooth() ? smooth_.sharpest : Real(0); }
   /// Distance of a face's plane from the centre.
   [[nodiscard]] Real offset(int face) const {
     if (kind_ == kind::mesh) return mesh_->offsets[static_cast<std::size_t>(face)];
@@ -123,7 +150,7 @@ class convex_view {
         return cap(face & 1, vector(0, 0, 0), 16, out);
       case kind::mesh:
         return mesh_face(static_cast<std::size_t>(face), out);
-      case kind::segment:
+      default:
         break;
     }
   }
@@ -163,6 +190,12 @@ class convex_view {
         }
         return mesh_face(best, out);
       }
+      case kind::point:
+      case kind::smooth:
+        out.size = 0;
+        out.face = 1;
+        out.add(place(local_support(d)), 1, 1);
+        return;
     }
   }
 
@@ -171,6 +204,7 @@ class convex_view {
   [[nodiscard]] bool line_along(const vector& direction, const vector& favoured,
                                 outline<Real>& out) const {
     constexpr Real level = Real(0.05);
+    if (featureless()) return false;
     const vector d = axes_.transpose() * direction, want = axes_.transpose() * favoured;
     if (kind_ == kind::segment || kind_ == kind::cylinder) {
       if (std::abs(d[2]) > level) return false;
@@ -214,13 +248,15 @@ class convex_view {
   }
 
  private:
-  enum class kind : std::uint8_t { segment, box, cylinder, mesh };
+  enum class kind : std::uint8_t { segment, box, cylinder, mesh, point, smooth };
 
   convex_view(kind k, const pose& at)
       : kind_(k), centre_(at.position), axes_(at.orientation.toRotationMatrix()) {}
 
   [[nodiscard]] vector place(const vector& local) const { return centre_ + axes_ * local; }
   [[nodiscard]] vector local_support(const vector& d) const {
+    if (smooth()) return smooth_.support(smooth_.shape, d);
+    if (kind_ == kind::point) return {0, 0, 0};
     if (kind_ == kind::mesh) return mesh_->vertices[mesh_->furthest(d)];
     vector p{d[0] < 0 ? -half_[0] : half_[0], d[1] < 0 ? -half_[1] : half_[1],
              d[2] < 0 ? -half_[2] : half_[2]};
@@ -293,6 +329,7 @@ class convex_view {
   matrix3<Real> axes_;
   vector half_{0, 0, 0};
   const polyhedron_mesh* mesh_ = nullptr;
+  smooth_form smooth_;
   Real rounding_ = 0, smallest_ = 0, inner_ = 0;
 };
 

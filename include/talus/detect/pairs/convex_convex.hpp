@@ -1,25 +1,35 @@
 #pragma once
-// Boxes, capsules, cylinders and convex polyhedra with each other, except for the pairs with a
-// special routine (two boxes, two capsules).
+// The general routine for two convex shapes. Pairs with a function of their own (two boxes, two
+// capsules, spheres) do not use it.
+#include <string_view>
 #include <type_traits>
 
+#include "talus/concepts.hpp"
 #include "talus/detect/detail/convex_contact.hpp"
 
 namespace talus {
 
 namespace detail {
 
-/// Rank of a shape in the order in which pairs are computed; 0 for other shapes.
 template <class Shape>
-inline constexpr int convex_rank = std::is_same_v<Shape, box>                 ? 1
-                                   : std::is_same_v<Shape, capsule>           ? 2
-                                   : std::is_same_v<Shape, cylinder>          ? 3
-                                   : std::is_same_v<Shape, convex_polyhedron> ? 4
-                                                                              : 0;
+[[nodiscard]] constexpr std::string_view type_text() {
+  return __PRETTY_FUNCTION__;
+}
+/// One of the two orders of each pair of shapes: by their forms, then by their names.
 template <class A, class B>
-inline constexpr bool convex_in_order = convex_rank<A> > 0 &&
-                                        (convex_rank<A> < convex_rank<B> ||
-                                         (convex_rank<A> == convex_rank<B> && convex_rank<A> > 2));
+inline constexpr bool convex_in_order = form_type<A>::order != form_type<B>::order
+                                            ? form_type<A>::order < form_type<B>::order
+                                            : type_text<A>() <= type_text<B>();
+
+/// The contacts of two posed shapes; `climb` as of convex_contact::find().
+template <class Real, class A, class B, class Sink>
+void collide_views(const A& a, const pose& pa, const B& b, const pose& pb, Real margin, Sink&& sink,
+                   bool climb) {
+  const convex_view<Real> view_a(form_of(a), pose{vec3(0, 0, 0), pa.orientation}),
+      view_b(form_of(b), pose{pb.position - pa.position, pb.orientation});
+  convex_contact<Real> contact(view_a, view_b, pa.position, margin);
+  for (const contact_geometry& c : contact.find(climb)) sink(c);
+}
 
 }  // namespace detail
 
@@ -30,15 +40,14 @@ inline constexpr bool convex_in_order = convex_rank<A> > 0 &&
 /// (of two, that of a), so that the choice holds while a body rests. A feature names the parts of
 /// the two shapes that meet; a single contact has feature 0.
 template <class A, class B, class Sink, class Real = real>
-requires(detail::convex_in_order<A, B>) void collide(const A& a, const pose& pa, const B& b,
-                                                     const pose& pb, real margin, Sink&& sink) {
+requires(concepts::convex_shape<A>&& concepts::convex_shape<B>&&
+             detail::convex_in_order<A, B>) void collide_convex(const A& a, const pose& pa,
+                                                                const B& b, const pose& pb,
+                                                                real margin, Sink&& sink) {
   const vector3<Real> apart = pb.position - pa.position;
   const Real reach = a.bounding_radius() + b.bounding_radius() + margin;
   if (!(apart.squaredNorm() <= reach * reach)) return;
-  const detail::convex_view<Real> view_a(a, pose{vec3(0, 0, 0), pa.orientation}),
-      view_b(b, pose{apart, pb.orientation});
-  detail::convex_contact<Real> contact(view_a, view_b, pa.position, margin);
-  for (const contact_geometry& c : contact.find()) sink(c);
+  detail::collide_views<Real>(a, pa, b, pb, margin, sink, true);
 }
 
 }  // namespace talus

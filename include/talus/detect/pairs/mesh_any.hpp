@@ -108,21 +108,22 @@ void collide(const A& a, const pose& pa, const sphere& b, const pose& pb, real m
 /// of all triangles in one plane together up to 16. Inner edges over which the surface is flat, or
 /// bends towards the body, act as the plane of their triangle.
 template <class A, class B, class Sink>
-requires(detail::is_surface<A> &&
-         (detail::convex_rank<B> > 0)) void collide(const A& a, const pose& pa, const B& b,
-                                                    const pose& pb, real margin, Sink&& sink) {
+requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
+    const A& a, const pose& pa, const B& b, const pose& pb, real margin, Sink&& sink) {
   const detail::triangle_tree& m = a.tree();
   const pose back = detail::inverse(pa);
   const pose there = detail::combined(back, pb);
   const real size = b.bounding_radius();
   const vec3 reach = b.half_extents(there) + vec3(margin, margin, margin);
+  const auto form = detail::form_of(b);
   detail::flat_polyhedron flat;
   detail::felt_points felt(real(1e-6) * size);
   detail::level_patches level(size, m.bounding_radius);
   a.each_within(there.position, reach, size + margin, [&](std::uint32_t t) {
     const vec3 middle = pa.to_world(flat.become(m, t));
-    const detail::convex_view<real> view_a(flat.mesh(), pose{vec3(0, 0, 0), pa.orientation}),
-        view_b(b, pose{pb.position - middle, pb.orientation});
+    const detail::convex_view<real> view_a(mesh_form{&flat.mesh()},
+                                           pose{vec3(0, 0, 0), pa.orientation}),
+        view_b(form, pose{pb.position - middle, pb.orientation});
     detail::convex_contact<real> contact(view_a, view_b, middle, margin);
     for (const contact_geometry& c : contact.find()) {
       const vec3 up = rotated(back.orientation, -c.normal);  // from the surface to the body

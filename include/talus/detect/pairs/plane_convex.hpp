@@ -1,6 +1,6 @@
 #pragma once
-// A half-space with a capsule, a cylinder or a convex polyhedron: the near points of the face or
-// line that faces the plane most.
+// A half-space with a convex shape: the near points of the face or line that faces the plane most,
+// or the lowest point of a smooth shape.
 #include <array>
 #include <cmath>
 
@@ -44,12 +44,13 @@ struct corners_near_plane {
 /// within 0.98 of its radius in all directions; if it leans by 2e-3 or more, the lowest point is
 /// one of them.
 template <class B, class Sink, class Real = real>
-requires(detail::convex_rank<B> > 1) void collide(const plane& a, const pose&, const B& b,
-                                                  const pose& pb, real margin, Sink&& sink) {
+requires concepts::convex_shape<B>
+void collide_convex(const plane& a, const pose&, const B& b, const pose& pb, real margin,
+                    Sink&& sink) {
   const vector3<Real> up = a.unit_normal();
   const Real height = up.dot(pb.position) - a.offset;
   if (!(height - b.bounding_radius() <= margin)) return;
-  const detail::convex_view<Real> view(b, pose{vec3(0, 0, 0), pb.orientation});
+  const detail::convex_view<Real> view(detail::form_of(b), pose{vec3(0, 0, 0), pb.orientation});
   const detail::corners_near_plane<Real> near(view, up, height, margin);
   for (int k = 0; k < near.size; ++k) {
     const auto& p = near.points[static_cast<std::size_t>(k)];

@@ -79,7 +79,9 @@ template <class Store>
 /// surface has no inside: what is beyond it is told by the centre of the other body alone.
 template <class Shape>
 [[nodiscard]] real inner_radius(const Shape& shape) {
-  if constexpr (Shape::isotropic) {
+  if constexpr (requires { shape.least_extent(); }) {
+    return shape.least_extent();
+  } else if constexpr (Shape::isotropic) {
     return shape.bounding_radius();
   } else if constexpr (is_triangulated<Shape>) {
     return never;

@@ -157,8 +157,13 @@ struct drive_record {
 /// Further entries for soft contacts: the energy of the springs of those contacts that count on
 /// this rank.
 struct spring_record {
-  /// Power of moving fixed bodies on others; for the present forces.
+  /// Power of the present forces on the relative motion of the bodies, when they were computed.
   signed_sum spring_power, dashpot_power, friction_power;
+  exact_sum exchanged_power;  ///< absolute values of these
+  signed_sum wall_power;      ///< of moving fixed bodies on others
+  /// The part of the power of the contacts that count here on bodies of other ranks, minus that of
+  /// contacts that count there on bodies owned here; and its work since it was computed.
+  signed_sum power_elsewhere, work_elsewhere;
   /// Energies at the last computation of forces: along the normal, and across it (and of rolling)
   /// before and after the springs were advanced; energy lost by slip between.
   signed_sum normal, across_before, across, yielded;
@@ -168,14 +173,20 @@ struct spring_record {
   signed_sum stored;  ///< and at its end
   signed_sum moved;   ///< energy of the bodies that migrated to this rank within the step
   bool started = false;
+  /// Nothing but steps has happened since the end of the last step, so that the next one finds its
+  /// energies; if forces are computed at the start of a step, that of the springs is known then.
+  bool undisturbed = false;
+  signed_sum unclosed;  ///< yielded + across of that step
 
   void measure_anew() {
-    spring_power = dashpot_power = friction_power = {};
+    spring_power = dashpot_power = friction_power = wall_power = power_elsewhere = {};
+    exchanged_power = {};
     normal = across_before = across = yielded = released = {};
   }
   template <class Visitor>
   void each_number(Visitor& visit) {
-    visit.sums(spring_power, dashpot_power, friction_power);
+    visit.sums(spring_power, dashpot_power, friction_power, exchanged_power, wall_power);
+    visit.sums(power_elsewhere, work_elsewhere);
     visit.sums(normal, across_before, across, yielded, released);
     visit.sums(start, across_at_start, stored, moved);
     visit.largest(started);
@@ -223,6 +234,18 @@ template <class Scenario>
   return sums;
 }
 
+/// Whether the energies of the bodies owned here are those at the end of the last step. If bodies
+/// migrate after that, their owners change, and the potential energy of a body that crosses a
+/// periodic face.
+template <class Scenario>
+[[nodiscard]] bool keeps_energies(const world_state<Scenario>& s) {
+  if constexpr (Scenario::contact_law::soft)
+    return s.monitors.springs.undisturbed &&
+           (Scenario::integrator::shares_midway ||
+            (s.link->size() == 1 && !world_state<Scenario>::periodic));
+  else
+    return (void)s, false;
+}
 /// Before a step: the user's changes since the last one.
 template <class Scenario>
 void open_energy(world_state<Scenario>& s) {
@@ -230,6 +253,10 @@ void open_energy(world_state<Scenario>& s) {
   r.running = {};
   r.exchanged = {};
   if constexpr (world_state<Scenario>::has_joints) s.monitors.drives.running = {};
+  if (keeps_energies(s)) {
+    r.before = r.after;
+    return;
+  }
   r.before = energy_of(s);
   if (r.started)
     (r.changes += r.before.all()) -= r.after.all();
@@ -440,6 +467,7 @@ void book_motion(world_state<Scenario>& s) {
 [[nodiscard]] inline signed_sum closure_of(const energy_entries& r, const spring_record& springs) {
   signed_sum left = closure_of(r);
   ((left += springs.stored) -= springs.start) -= springs.moved;
+  left += springs.work_elsewhere;
   return left;
 }
 [[nodiscard]] inline double scale_of(const energy_entries& r, const spring_record& springs) {
@@ -482,7 +510,7 @@ struct detail::joint_flows::record {
     f("drives", drives);
   }
 };
-struct detail::split_contact_forces::record {
+struct detail::contact_flows::record {
   spring_record springs;
 
   template <class F>
@@ -499,16 +527,13 @@ struct energy_ledger::hooks {
   static void at_start(detail::world_state<Scenario>& s) {
     open_energy(s);
     if constexpr (Scenario::contact_law::soft) {
-      s.monitors.springs.moved = {};
-      if constexpr (Scenario::integrator::shares_midway) survey_at_start(s);
+      s.monitors.springs.moved = s.monitors.springs.work_elsewhere = {};
+      if constexpr (Scenario::integrator::shares_midway) open_springs_midway(s);
     }
   }
   template <class Scenario>
   static void after_solve(detail::world_state<Scenario>& s) {
-    if constexpr (!Scenario::contact_law::soft)
-      book_response(s);
-    else if constexpr (!Scenario::integrator::shares_midway)
-      open_springs_as_measured(s);
+    if constexpr (!Scenario::contact_law::soft) book_response(s);
   }
   template <class Scenario>
   static void after_move(detail::world_state<Scenario>& s) {
@@ -534,7 +559,7 @@ struct energy_ledger::hooks {
   template <class Scenario>
   static void at_end(detail::world_state<Scenario>& s) {
     if constexpr (Scenario::contact_law::soft && !Scenario::integrator::shares_midway)
-      survey_at_end(s);
+      leave_springs_open(s);
   }
 };
 

@@ -21,34 +21,37 @@ struct spring_energies {
   }
 };
 
-/// Adds the effect of a contact's springs and dashpots on a body; `sign` is that of the body.
-inline void add_split(split_forces& to, real sign, const booked_contact& c, const vec3& arm,
-                      bool turns) {
-  const vec3 spring = sign * c.spring, dashpot = sign * c.dashpot;
-  to.spring += spring, to.dashpot += dashpot;
-  to.spring_torque += sign * c.spring_moment;
-  if (!turns) return;
-  to.spring_torque += arm.cross(spring);
-  to.dashpot_torque += arm.cross(dashpot);
-}
+/// The powers of the parts of a contact's force on the relative motion of its bodies. For the
+/// dashpot that is the motion midway through the step as the contact alone would change it; the
+/// springs bear the difference, so that the sum is the power of the force before the step.
+template <class Number>
+struct contact_powers {
+  Number spring{}, dashpot{}, friction{};
 
-/// The power of a moving fixed body on its contact partner; `sign` is that of the other body.
-inline void add_power(spring_record& r, real sign, const booked_contact& c, const vec3& u,
-                      const vec3& w) {
-  r.spring_power += sign * (c.spring.dot(u) + c.spring_moment.dot(w));
-  r.dashpot_power += sign * c.dashpot.dot(u);
-  r.friction_power += sign * (c.friction.dot(u) + c.friction_moment.dot(w));
+  template <bool Central>
+  [[nodiscard, gnu::always_inline]] static inline contact_powers of(
+      const booked_contact_of<Number>& c, const pair_force_of<Number>& f,
+      const contact_kinematics_of<Number>& t) {
+    contact_powers p;
+    const Number own = (real(0.5) * t.step) * dot(c.dashpot, f.force) / t.mass;
+    p.spring = dot(c.spring, t.velocity) - own, p.dashpot = dot(c.dashpot, t.velocity) + own;
+    if constexpr (!Central) {
+      p.spring += dot(c.spring_moment, t.spin);
+      p.friction = dot(c.friction, t.velocity) + dot(c.friction_moment, t.spin);
+    }
+    return p;
+  }
+};
+/// The power on body a alone, or with the sign -1 on b.
+[[nodiscard]] inline real power_on_body(real sign, const vec3& force, const vec3& moment,
+                                        const vec3& v, const vec3& w, const vec3& arm) {
+  return sign * (force.dot(vec3(v + w.cross(arm))) + moment.dot(w));
 }
 
 /// The entries of the ledger that each body adds to in a change of velocity.
 struct kick_sums {
-  exact_batch<signed_sum> scheme, impact, friction;
-  exact_batch<exact_sum> exchanged;
-  explicit kick_sums(energy_record& r)
-      : scheme(r.running.scheme),
-        impact(r.running.impact),
-        friction(r.running.friction),
-        exchanged(r.exchanged) {}
+  exact_batch<signed_sum> scheme;
+  explicit kick_sums(energy_record& r) : scheme(r.running.scheme) {}
 };
 struct no_kick_sums {};
 /// Whether the forces of contacts have parts beside springs and dashpots.
@@ -62,26 +65,23 @@ template <class Scenario>
     return (void)s, no_kick_sums{};
 }
 
+/// The forces of contacts that change velocities: those that this step has computed, or those of
+/// the last step. Between these two, the user may have removed, fixed or released bodies, and other
+/// ranks may own them.
+enum class forces_of { this_step, last_step };
+
 /// A change of velocity by forces over the time h: to v and w, before damping. `force` and `torque`
-/// are those of the contacts.
-template <class Scenario, class Store, class Sums>
+/// are those of the contacts, and `booked` is the part of their power on the body that the contacts
+/// book on this rank. The rest of their work, of second order in h, is the scheme's.
+template <forces_of Forces, class Scenario, class Store, class Sums>
 void book_kick(world_state<Scenario>& s, Sums& sums, const Store& store, std::size_t i, real h,
-               real kept, const vec3& force, const vec3& torque, const vec3& v, const vec3& w) {
+               real kept, const vec3& force, const vec3& torque, real booked, const vec3& v,
+               const vec3& w) {
   const real mass = 1 / store.inverse_mass[i];
   if constexpr (monitored<Scenario, energy_ledger>) {
     energy_record& r = s.monitors.energy;
     const vec3 mv = 0.5 * (store.velocity[i] + v), mw = 0.5 * (store.angular_velocity[i] + w);
-    const split_forces& f = store.split[i];
-    const real spring = h * (f.spring.dot(mv) + f.spring_torque.dot(mw)),
-               dashpot = h * (f.dashpot.dot(mv) + f.dashpot_torque.dot(mw)),
-               friction = frictional_law<Scenario>
-                              ? h * (vec3(force - f.spring - f.dashpot).dot(mv) +
-                                     vec3(torque - f.spring_torque - f.dashpot_torque).dot(mw))
-                              : 0;
-    sums.scheme += spring + (h * mass) * s.gravity.dot(mv);
-    sums.impact -= dashpot;
-    sums.friction -= friction;
-    sums.exchanged += std::abs(spring) + std::abs(dashpot) + std::abs(friction);
+    sums.scheme += h * (force.dot(mv) + torque.dot(mw) - booked) + (h * mass) * s.gravity.dot(mv);
     if constexpr (Store::forced)
       r.running.work += h * (store.force[i].dot(mv) + store.torque[i].dot(mw));
     if (kept != 1) {
@@ -94,22 +94,32 @@ void book_kick(world_state<Scenario>& s, Sums& sums, const Store& store, std::si
     r.gravity += vec3((h * mass) * s.gravity);
     if constexpr (Store::forced) r.forces += vec3(h * store.force[i]);
     r.damping += vec3(-(1 - kept) * mass * v);
+    if constexpr (Forces == forces_of::last_step) r.ground += vec3(h * force);
   }
 }
-/// Books the work and impulse of soft contacts on fixed and global bodies over the time h.
-template <class Scenario>
-void book_kick_of_fixed(step_records<Scenario>& s, real h) {
+/// Books the work of soft contacts, and their impulse on fixed and global bodies, over the time h.
+/// The contacts of the last step may act on other bodies by now: the scheme takes what they book,
+/// and the work on the present bodies. The impulse on these is that of the ground, which includes
+/// bodies that were removed.
+template <forces_of Forces, class Scenario>
+void book_kick_of_contacts(step_records<Scenario>& s, real h) {
   if constexpr (monitored<Scenario, energy_ledger>) {
     auto& running = s.monitors.energy.running;
-    const spring_record& r = s.monitors.springs;
-    const double spring = h * r.spring_power.value(), dashpot = h * r.dashpot_power.value(),
-                 friction = h * r.friction_power.value();
-    running.work += spring + dashpot + friction;
-    running.scheme -= spring;
-    running.impact += dashpot;
-    running.friction += friction;
+    spring_record& r = s.monitors.springs;
+    running.work += r.wall_power.times(h);
+    running.impact -= r.dashpot_power.times(h);
+    running.friction -= r.friction_power.times(h);
+    s.monitors.energy.exchanged.add_product(r.exchanged_power, h);
+    if constexpr (Forces == forces_of::this_step) {
+      running.scheme += r.spring_power.times(h);
+      r.work_elsewhere += r.power_elsewhere.times(h);
+    } else {
+      signed_sum booked = r.wall_power;
+      (booked += r.dashpot_power) += r.friction_power;
+      running.scheme -= booked.times(h);
+    }
   }
-  if constexpr (monitored<Scenario, momentum_balance>)
+  if constexpr (monitored<Scenario, momentum_balance> && Forces == forces_of::this_step)
     s.monitors.momentum.ground += vec3(h * s.monitors.momentum.ground_force);
 }
 
@@ -143,28 +153,38 @@ void open_springs(step_records<Scenario>& s, const signed_sum& energy) {
   r.start = energy;
 }
 
-/// Before and after bodies migrate within a step: their energy goes with them.
+/// Before and after bodies migrate within a step: their energy goes with them. The sum over the
+/// ranks changes by that of bodies that cross a periodic face.
 template <class Scenario>
 void book_migration(world_state<Scenario>& s, real sign) {
   const signed_sum now = energy_of(s).all();
-  signed_sum& moved = s.monitors.springs.moved;
-  sign > 0 ? moved += now : moved -= now;
+  const auto add = [&](signed_sum& sum) { sign > 0 ? sum += now : sum -= now; };
+  add(s.monitors.springs.moved), add(s.monitors.energy.changes);
 }
 
-/// At the end: `energy` is that of the springs; `opened` that of the tangential springs of contacts
-/// that opened. It is lost, as is the energy of slip: the springs released it, but not to motion.
+/// The entries of a step besides those of the springs at its end.
 template <class Scenario>
-void close_springs(step_records<Scenario>& s, const signed_sum& energy, const signed_sum& opened) {
+void close_step(step_records<Scenario>& s) {
   energy_record& r = s.monitors.energy;
-  spring_record& springs = s.monitors.springs;
-  signed_sum lost = springs.yielded;
-  lost += opened;
-  r.running.friction += lost;
-  ((r.running.scheme += energy) -= springs.start) += lost;
-  springs.stored = energy;
   r.step = r.running;
   r.total += r.step;
+  // What springs take or give is in an entry, too: their energy at the end is not needed.
+  spring_record springs = s.monitors.springs;
+  springs.stored = springs.start;
   r.note_closure(closure_of(r, springs).value(), scale_of(r, springs));
+}
+/// `energy` is that of the springs at the end of the step, `opened` that of the tangential springs
+/// of contacts that opened, and what yielded. It is lost, as is the energy of slip: the springs
+/// released it, but not to motion.
+template <class Scenario>
+void close_springs(step_records<Scenario>& s, const signed_sum& energy, const signed_sum& lost) {
+  energy_record& r = s.monitors.energy;
+  spring_record& springs = s.monitors.springs;
+  for (flow_sums* of : {&r.step, &r.total}) {
+    of->friction += lost;
+    ((of->scheme += energy) -= springs.start) += lost;
+  }
+  springs.stored = energy;
 }
 
 }  // namespace talus::detail

@@ -73,6 +73,31 @@ template <class Store, class Shapes>
   }(group, Shapes{});
 }
 
+/// The inverse masses of the first `n` bodies. Those that fixed bodies have when they are released
+/// are negative.
+template <class Store>
+[[nodiscard]] const std::byte* inverse_masses_of(const Store& store, std::size_t n, table_part& t) {
+  bool kept = false;
+  for (std::size_t i = 0; i < n; ++i) kept = kept || store.keeps_mass(i);
+  if (!kept) return reinterpret_cast<const std::byte*>(store.inverse_mass.data());
+  byte_buffer values;
+  byte_writer out(values);
+  for (std::size_t i = 0; i < n; ++i)
+    out.put(store.keeps_mass(i) ? -store.kept.inverse_of(store.id[i]) : store.inverse_mass[i]);
+  t.memory.push_back(std::move(values));
+  return t.memory.back().data();
+}
+/// The inverse of it, for a body that was read.
+template <class Store>
+void read_kept_mass(Store& store, std::size_t i) {
+  if (!store.keeps_mass(i)) return;
+  const real inverse = -store.inverse_mass[i];
+  if (!(inverse > 0) || !std::isfinite(inverse) || !store.fixed(i))
+    fail<std::runtime_error>("is damaged: fixed body {} has no mass", store.id[i]);
+  store.inverse_mass[i] = 0;
+  store.keep_mass(i, inverse);
+}
+
 /// The first `n` bodies of a store; the store must not change while the table is in use.
 template <class Store>
 [[nodiscard]] table_part part_of(const Store& store, std::size_t n, std::string path) {
@@ -104,6 +129,8 @@ template <class Store>
       }
       t.memory.push_back(std::move(references));
       t.columns[k++].rows = t.memory.back().data();
+    } else if (static_cast<const void*>(&c) == &store.inverse_mass) {
+      t.columns[k++].rows = inverse_masses_of(store, n, t);
     } else {
       t.columns[k++].rows = reinterpret_cast<const std::byte*>(c.data());
     }
@@ -156,7 +183,7 @@ template <class T>
 template <class Store>
 void require_sane(const Store& s, std::size_t i, std::size_t materials) {
   constexpr std::uint8_t all_flags =
-      flag_fixed | flag_invisible | flag_asleep | flag_disturbed | flag_released;
+      flag_fixed | flag_invisible | flag_asleep | flag_disturbed | flag_released | flag_own_mass;
   bool sane = s.id[i] != no_id && s.inverse_mass[i] >= 0 && (s.flags[i] & ~all_flags) == 0 &&
               static_cast<std::size_t>(s.material[i]) < materials;
   s.template each_column<named_columns<typename Store::list>>([&](const auto& c) {
@@ -211,7 +238,10 @@ void read_bodies(table_reader& table, Store& store, const std::pair<vec3, vec3>&
     store.template each_initial<unsaved_columns<Store>>(
         [&](auto& c, const auto& initial) { c.resize(store.size(), initial); });
     store.locals = store.size();
-    for (std::size_t i = first; i < store.size(); ++i) require_sane(store, i, materials);
+    for (std::size_t i = first; i < store.size(); ++i) {
+      read_kept_mass(store, i);
+      require_sane(store, i, materials);
+    }
   }
 }
 

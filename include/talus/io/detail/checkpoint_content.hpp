@@ -50,6 +50,19 @@ template <class Scenario>
   return tables;
 }
 
+/// The names of the numbers of shapes, for programs that read the columns `shape`.
+template <class... Shapes>
+void put_numbers_of_shapes(type_list<Shapes...>, std::vector<small_dataset>& out) {
+  [[maybe_unused]] const auto put = [&]<class Shape>(type_list<Shape>) {
+    if constexpr (requires { Shape::numbers; }) {
+      std::string names;
+      for (const char* const one : Shape::numbers) names += std::string(one) + '\n';
+      out.push_back(text_dataset(std::string("/shapes/") + Shape::name, names));
+    }
+  };
+  (put(type_list<Shapes>{}), ...);
+}
+
 /// The description of the run by rank 0. Collective.
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::vector<small_dataset> facts_of(world<Scenario>& w,
@@ -62,6 +75,7 @@ template <class Scenario>
   for (const scenario_mark& m : marks_of<Scenario>())
     out.push_back(text_dataset("/scenario/" + m.name, m.text));
   out.push_back(text_dataset("/scenario/policies", policies_in_use(s)));
+  put_numbers_of_shapes(typename Scenario::shapes{}, out);
   if (!keeper.configuration.empty())
     out.push_back(text_dataset("/run/configuration", keeper.configuration));
   byte_buffer mine;
@@ -110,6 +124,7 @@ template <class Scenario>
   put_interactions(s, out);
   put_kept(team, keeper.values, out);
   put_monitors(team, s, out);
+  put_lists(s, out);
   put_course(keeper.course.parts(s.steps), out);
   put_records(w.records(), out);
   put_once(keeper.once, out);

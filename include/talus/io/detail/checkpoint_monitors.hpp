@@ -35,6 +35,38 @@ void each_stored_record(world_state<Scenario>& s, F&& f) {
   }(typename Scenario::features{});
 }
 
+/// Calls f(path, list) for the lists that the states of features name.
+template <class Scenario, class F>
+void each_stored_list(world_state<Scenario>& s, F&& f) {
+  [&]<class... Features>(type_list<Features...>) {
+    [[maybe_unused]] const auto of_own = [&]<class Feature>(type_list<Feature>) {
+      if constexpr (has_own_state<Feature, Scenario>) {
+        int count = 0;
+        const auto number = [&](std::vector<std::uint64_t>& list) {
+          f("/lists/" + std::string(Feature::name) + '_' + std::to_string(count++), list);
+        };
+        list_visitor visit(number);
+        if constexpr (requires { own_state<Feature>(s).each_list(visit); })
+          own_state<Feature>(s).each_list(visit);
+      }
+    };
+    (of_own(type_list<Features>{}), ...);
+  }(typename Scenario::features{});
+}
+
+template <class Scenario>
+[[gnu::cold]] void put_lists(world_state<Scenario>& s, std::vector<small_dataset>& out) {
+  each_stored_list(s, [&](const std::string& path, const std::vector<std::uint64_t>& list) {
+    out.push_back(numbers_dataset<std::uint64_t>(path, list));
+  });
+}
+template <class Scenario>
+[[gnu::cold]] void get_lists(const checkpoint_reader& in, world_state<Scenario>& s) {
+  each_stored_list(s, [&](const std::string& path, std::vector<std::uint64_t>& list) {
+    if (in.has(path)) list = in.integers(path);
+  });
+}
+
 /// Collective.
 template <class Scenario>
 [[gnu::cold]] void put_monitors(checkpoint_team& team, world_state<Scenario>& s,

@@ -7,10 +7,12 @@
 #include <span>
 #include <vector>
 
+#include "talus/concepts.hpp"
 #include "talus/core/math.hpp"
 #include "talus/shape/box.hpp"
 #include "talus/shape/capsule.hpp"
 #include "talus/shape/cylinder.hpp"
+#include "talus/shape/support_surface.hpp"
 
 namespace talus::detail {
 
@@ -40,8 +42,8 @@ struct outline_point {
 /// The surface of revolution of an outline, from bottom to top: a flat face or a tip at each end.
 void add_turned(surface_faces& out, std::span<const outline_point> outline);
 
-// One function per shape; spheres have none, because every viewer has a sphere. A user-defined
-// shape is drawn if its namespace contains such a function.
+// Spheres have no surface, because every viewer has a sphere. Other convex shapes are drawn by
+// their support functions; a shape with a better picture has such a function in its namespace.
 
 void add_surface(surface_faces& out, const box& b);
 void add_surface(surface_faces& out, const cylinder& c);
@@ -61,6 +63,16 @@ void add_surface(surface_faces& out, const Shape& s) {
   const auto& tree = s.tree();
   out.points.assign(tree.vertices.begin(), tree.vertices.end());
   for (const auto& triangle : tree.triangles) out.add_face(triangle);
+}
+
+/// Any other convex shape.
+template <concepts::convex_shape Shape>
+requires(!Shape::isotropic && !requires(const Shape& s) {
+  s.mesh().normals;
+}) void add_surface(surface_faces& out, const Shape& s) {
+  const support_surface drawn = surface_of_support(s);
+  out.points = drawn.points;
+  for (const auto& triangle : drawn.triangles) out.add_face(triangle);
 }
 
 /// Shapes whose surface can be written.

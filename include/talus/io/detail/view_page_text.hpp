@@ -274,6 +274,12 @@ class run_data {
   most(name) {
     return Math.max(0, ...this.heads.map((h) => h[name] || 0));
   }
+  // The shapes that the run has beside those of all runs have the numbers after them.
+  name_of_shape(k) {
+    if (k < shape_names.length) return shape_names[k];
+    const told = { ...this.about, ...this.about.end }, own = told.shapes || this.heads.find((h) => h.shapes)?.shapes || "";
+    return own.split("\n")[k - shape_names.length]?.replaceAll("_", " ") || "own";
+  }
   name_of_material(k) {
     return this.materials[k]?.name || "material " + k;
   }
@@ -367,7 +373,8 @@ class orbit {
     this.distance = 10;
     this.angle = -0.7, this.height = 0.42; // radians: around `up` and above the horizon
     this.frame(up);
-    const pointers = new Map();
+    const pointers = new Ma)page",
+    R"page(p();
     let moved = 0, spread = 0;
     const at = (e) => [e.clientX, e.clientY];
     canvas.addEventListener("pointerdown", (e) => {
@@ -376,8 +383,7 @@ class orbit {
       if (pointers.size === 1) moved = 0;
     });
     canvas.addEventListener("pointermove", (e) => {
-  )page",
-    R"page(    const before = pointers.get(e.pointerId);
+      const before = pointers.get(e.pointerId);
       if (!before) return;
       const [x, y] = at(e), dx = x - before[0], dy = y - before[1];
       pointers.set(e.pointerId, [x, y]), moved += Math.abs(dx) + Math.abs(dy);
@@ -650,14 +656,14 @@ class hidden_spheres {
     const [b0, b1, b2, b3, b4, b5, b6, b7, b8] = B || [];
     let near = Infinity, far = 0, sum = 0, here = 0;
     for (let i = 0, k = 0; i < count; ++i, k += 3) {
-      const p0 = p[k], p1 = p[k + 1], p2 = p[k + 2];
+      c)page",
+    R"page(onst p0 = p[k], p1 = p[k + 1], p2 = p[k + 2];
       let u = c0 + a0 * p0 + a1 * p1 + a2 * p2, v = c1 + a3 * p0 + a4 * p1 + a5 * p2, w = c2 + a6 * p0 + a7 * p1 + a8 * p2;
       if (B) {
         const q0 = q[k], q1 = q[k + 1], q2 = q[k + 2];
         u += b0 * q0 + b1 * q1 + b2 * q2, v += b3 * q0 + b4 * q1 + b5 * q2, w += b6 * q0 + b7 * q1 + b8 * q2;
       }
-      const dept)page",
-    R"page(h = -w;
+      const depth = -w;
       z[i] = -1;
       if (depth <= 0) continue;
       const scale = pixels / depth, size = radius[i] * scale;
@@ -710,7 +716,7 @@ class hidden_spheres {
 
 // Forms that bodies with faces are drawn with: corners of triangles with normals, for a body of size 1.
 
-const shape_names = ["sphere", "box", "capsule", "cylinder", "convex polyhedron", "triangle mesh", "plane"];
+const shape_names = ["sphere", "box", "capsule", "cylinder", "convex polyhedron", "triangle mesh", "plane"]; // of all runs
 const shape = { sphere: 0, box: 1, capsule: 2, cylinder: 3, polyhedron: 4, mesh: 5, plane: 6 };
 
 class form_builder {
@@ -898,7 +904,8 @@ class body_group {
     const a = this.geometry.attributes[this.spheres ? "radius" : "extent"];
     for (let k = 0; k < this.count; ++k) {
       const r = 3 * rows[this.first + k];
-      if (this.spheres) a.array[k] = 0.5 * size[r];
+  )page",
+    R"page(    if (this.spheres) a.array[k] = 0.5 * size[r];
       else a.array.set(this.stage.extent(this.kind, size[r], size[r + 1], size[r + 2]), 4 * k);
     }
     this.update(a, a.array.length);
@@ -906,8 +913,7 @@ class body_group {
   // Leaves out the points that others hide. Positions are mixed as in the shader.
   hide(view, width, height, pixels) {
     const g = this.geometry, u = this.material.uniforms, a = g.attributes;
- )page",
-    R"page(   // Where most are seen, as in a thin cloud, the search does not pay: it pauses for some pictures.
+    // Where most are seen, as in a thin cloud, the search does not pay: it pauses for some pictures.
     if (this.pause > 0) --this.pause;
     if (this.material.transparent || this.pause > 0) {
       if (g.index) g.setIndex(null), g.setDrawRange(0, this.count);
@@ -1133,20 +1139,20 @@ function facts_of(frame, i) {
   const vector = (v) => v.map((x) => short_number(+x.toPrecision(5))).join(", ");
   const size = [...t.size.subarray(3 * r, 3 * r + 3)];
   put("body", "0x" + t.id[r].toString(16) + (t.part[r] > 0 ? ", part " + t.part[r] : ""));
-  put("shape", shape_names[t.shape[r]] + (t.flags[r] & 2 ? ", global" : t.flags[r] & 1 ? ", fixed" : ""));
+  put("shape", run.name_of_shape(t.shape[r]) + (t.flags[r] & 2 ? ", global" : t.flags[r] & 1 ? ", fixed" : ""));
   if (t.shape[r] === shape.sphere) put("radius", short_number(size[0] / 2));
   else if (t.shape[r] !== shape.plane) put("size", vector(size));
   if (t.mass[r] > 0 && !(t.flags[r] & 1)) put("mass", short_number(+t.mass[r].toPrecision(5)));
   put("material", run.name_of_material(t.material[r]).replace(/^material /, ""));
-  if (!(t.flags[r] & 2)) put("rank", frame.rank[i]);
+  if (!(t)page",
+    R"page(.flags[r] & 2)) put("rank", frame.rank[i]);
   put("position", vector(frame.place(i, [0, 0, 0])));
   const error = frame.head.position_error;
   if (error > 0) put("", "± " + short_number(+error.toPrecision(2)) + " as stored");
   const v = frame.blocks.velocity;
   if (v && !(t.flags[r] & 2)) {
     put("velocity", vector([0, 1, 2].map((k) => v[3 * i + k] * frame.head.speed_cell)));
-    put("spee)page",
-    R"page(d", short_number(+frame.speed(i).toPrecision(4)));
+    put("speed", short_number(+frame.speed(i).toPrecision(4)));
   }
   if (frame.blocks.asleep && frame.blocks.asleep[i]) put("state", "asleep");
   if (frame.blocks.force) {
@@ -1357,7 +1363,8 @@ function talus_view() {
     say("This browser draws no WebGL: " + error.message);
   }
   const state = { at: 0, mode: null, playing: false, speed: 1, picked: null, followed: null, followed_at: null, frame: null, next: null, dirty: true, drawn: 0 };
-  let plots = [], control, wanted = 0, loading = null, colours = new Uint8Array(0), written = 0;
+  let plots = [], control, wanted = 0, loadi)page",
+    R"page(ng = null, colours = new Uint8Array(0), written = 0;
   const api = (window.talus = { run, state, stage, frames: () => run.heads.length });
 
   // --- What is drawn ---------------------------------------------------------------------------
@@ -1367,8 +1374,7 @@ function talus_view() {
   };
   const mode = () => colour_modes[state.mode];
   function colour_bodies() {
-    const f = state.frame)page",
-    R"page(, m = mode(), flags = run.table.flags, rows = f.rows, n = f.count;
+    const f = state.frame, m = mode(), flags = run.table.flags, rows = f.rows, n = f.count;
     if (colours.length < 4 * n) colours = new Uint8Array(8 * n);
     const to = new Uint32Array(colours.buffer), word = ([r, g, b]) => (255 << 24) | (b << 16) | (g << 8) | r;
     const wall = word(grey_of_wall), picked = word([255, 40, 220]);
@@ -1590,14 +1596,14 @@ function talus_view() {
   };
   function choose_colour(name) {
     state.mode = name, ($("colour").value = name);
-    show_legend(), again("recolour")();
+    show_legend(), again("rec)page",
+    R"page(olour")();
   }
   function pick(x, y) {
     const c = $("canvas"), at = new THREE.Vector3((2 * x) / c.clientWidth - 1, 1 - (2 * y) / c.clientHeight, 0.5);
     control.apply(); // the view may have changed since the last picture
     const from = stage.camera.position, way = at.unproject(stage.camera).sub(from).normalize();
-    const i = body_on_ray(state.frame, run.forms, from, way, +$("walls"))page",
-    R"page(.value > 0);
+    const i = body_on_ray(state.frame, run.forms, from, way, +$("walls").value > 0);
     state.picked = i < 0 ? null : state.frame.rows[i];
     show_body(), again("recolour")();
     return i;

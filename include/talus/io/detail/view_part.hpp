@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "talus/core/bytes.hpp"
@@ -13,10 +12,9 @@
 
 namespace talus::detail {
 
-/// Shapes by number, as the page has them; the first six as in the output for ParaView.
+/// Shapes by number, as the page has them; the first six as in the output for ParaView. Those that
+/// have other numbers there follow after the plane.
 enum class view_shape : std::uint8_t { sphere, box, capsule, cylinder, polyhedron, mesh, plane };
-/// The shape of that name. Others have faces, if a form was given for them, or are drawn as boxes.
-[[nodiscard, gnu::cold]] view_shape view_shape_of(std::string_view name, bool has_form);
 
 inline constexpr std::uint8_t view_wall = 1, view_global = 2;  ///< flags of a body
 

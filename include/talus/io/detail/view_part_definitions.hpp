@@ -11,17 +11,6 @@
 
 namespace talus::detail {
 
-TALUS_INLINE view_shape view_shape_of(std::string_view name, bool has_form) {
-  static constexpr std::string_view names[] = {
-      "sphere", "box", "capsule", "cylinder", "convex_polyhedron", "triangle_mesh", "plane"};
-  std::uint8_t number = 0;
-  for (const std::string_view known : names) {
-    if (known == name) return view_shape{number};
-    ++number;
-  }
-  return has_form ? view_shape::polyhedron : view_shape::box;
-}
-
 template <class T>
 void put_view_list(byte_buffer& out, std::span<const T> values) {
   byte_writer(out).put(std::uint64_t{values.size()});

@@ -2,21 +2,19 @@
 // Bodies as rows of an output: one for each body, or for each part of a union.
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "talus/core/type_list.hpp"
 #include "talus/io/detail/row_table.hpp"
+#include "talus/io/detail/shape_numbers.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/shape/union_of.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus::detail {
-
-/// Shapes by number, as the column `shape` has them.
-inline constexpr std::string_view vtk_shape_names[] = {
-    "sphere", "box", "capsule", "cylinder", "convex_polyhedron", "triangle_mesh"};
-[[nodiscard, gnu::cold]] std::uint8_t vtk_shape_number(std::string_view name);
 
 /// Lengths of a shape along the axes of its body: the scale factors for a sphere, box or cylinder
 /// of size 1.
@@ -142,6 +140,7 @@ class vtk_bodies {
   }
 
   row_table points{"/VTKHDF"}, data{"/VTKHDF/PointData"};
+  shape_numbers shapes{typename Scenario::shapes{}};
 
  private:
   template <class... Columns>
@@ -176,10 +175,10 @@ class vtk_bodies {
     data.begin_row(key);
     data.put(value_of(store.id[i]));
     data.put(rank);
-    data.put(vtk_shape_number(Shape::name));
+    data.put(shapes.number(Shape::name));
     data.put(static_cast<std::uint8_t>(store.fixed(i)));
     data.put(static_cast<std::uint16_t>(store.material[i]));
-    const double mass = s.materials[store.material[i]].density * store.shape[i].volume();
+    const double mass = mass_of(store, i, s.materials);
     data.put(part == 0 ? mass : 0.0);
     data.put(radius_of(shape));
     data.put(size_of(shape));
@@ -196,7 +195,3 @@ class vtk_bodies {
 };
 
 }  // namespace talus::detail
-
-#ifndef TALUS_COMPILED_HDF5
-#include "talus/io/detail/vtk_bodies_definitions.hpp"
-#endif

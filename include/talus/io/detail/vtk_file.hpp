@@ -48,10 +48,12 @@ struct vtk_counts {
                                                            const vtk_counts& before,
                                                            bool first_rank);
 
-/// Collective: writes cells, their points, and data, of points or of cells.
+/// Collective: writes cells, their points, and data, of points or of cells. `own_shapes`: names of
+/// shapes whose numbers follow those that all scenarios share, one a line.
 [[gnu::cold]] void write_vtk_file(checkpoint_team& team, const std::string& file,
                                   const vtk_cells& cells, row_table&& points, row_table&& data,
-                                  std::uint64_t step, double time, bool force);
+                                  std::uint64_t step, double time, bool force,
+                                  const std::string& own_shapes = {});
 
 }  // namespace talus::detail
 

@@ -46,7 +46,8 @@ TALUS_HDF5_INLINE std::vector<table_part> tables_of(const vtk_cells& cells,
 
 TALUS_HDF5_INLINE void write_vtk_file(checkpoint_team& team, const std::string& file,
                                       const vtk_cells& cells, row_table&& points, row_table&& data,
-                                      std::uint64_t step, double time, bool force) {
+                                      std::uint64_t step, double time, bool force,
+                                      const std::string& own_shapes) {
   byte_buffer mine;
   byte_writer(mine).put(vtk_counts{static_cast<std::int64_t>(points.rows()),
                                    static_cast<std::int64_t>(cells.ends.size()),
@@ -67,11 +68,13 @@ TALUS_HDF5_INLINE void write_vtk_file(checkpoint_team& team, const std::string& 
   const auto whole = [](const char* name, std::int64_t value) {
     return numbers_dataset<std::int64_t>(std::string("/VTKHDF/") + name, std::span(&value, 1));
   };
-  const std::vector<small_dataset> small{
+  std::vector<small_dataset> small{
       whole("NumberOfPoints", all.points), whole("NumberOfCells", all.cells),
       whole("NumberOfConnectivityIds", all.corners),
       whole("FieldData/step", static_cast<std::int64_t>(step)),
       numbers_dataset<double>("/VTKHDF/FieldData/time", std::span(&time, 1))};
+  if (!own_shapes.empty())
+    small.push_back(text_dataset("/VTKHDF/FieldData/own_shapes", own_shapes));
   vtk_kind how;
   team_writer(team, how, file, force).write(tables, small);
 }

@@ -72,6 +72,7 @@ class vtk_surfaces {
   }
 
   row_table points{"/VTKHDF"}, data{"/VTKHDF/CellData"};
+  shape_numbers shapes{typename Scenario::shapes{}};
 
  private:
   /// The faces of a body, or of a part of a union, among those added.
@@ -107,7 +108,7 @@ class vtk_surfaces {
         data.begin_row(key);
         data.put(value_of(store.id[i]));
         data.put(rank);
-        data.put(vtk_shape_number(Shape::name));
+        data.put(shapes.number(Shape::name));
         data.put(static_cast<std::uint8_t>(store.fixed(i)));
         data.put(static_cast<std::uint16_t>(store.material[i]));
         data.put(store.velocity[i]);

@@ -120,6 +120,8 @@ class run_view {
     about.add_raw("soft", Scenario::contact_law::soft ? "true" : "false");
     const material_table& materials = view_of(w_).materials;
     about.add_raw("materials", view_materials(materials));
+    const std::string own = shape_numbers(typename Scenario::shapes{}).others();
+    if (!own.empty()) about.add_text("shapes", own);
     if (!colour_.empty()) about.add_text("colour", colour_);
     if (w_.look()) about.add_raw("look", view_look(*w_.look()));
     return about.str();
@@ -165,7 +167,7 @@ template <class Scenario>
   w.before_simulating("page of --view", [&w, view, steps = o.steps] {
     view->begin(w.last_step() > w.steps() ? w.last_step() - w.steps() : steps);
   });
-  w.after_each_step("page of --view", [view] { view->step(); });
+  w.monitor_each_step("page of --view", [view] { view->step(); });
   return view;
 }
 

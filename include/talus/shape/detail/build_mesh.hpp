@@ -9,8 +9,8 @@
 
 #include "talus/core/error.hpp"
 #include "talus/shape/detail/convex_hull.hpp"
-#include "talus/shape/detail/principal_axes.hpp"
 #include "talus/shape/polyhedron_mesh.hpp"
+#include "talus/shape/principal_axes.hpp"
 
 namespace talus::detail {
 

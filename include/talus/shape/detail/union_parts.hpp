@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
@@ -50,7 +51,7 @@ struct union_parts {
   std::vector<std::uint32_t> sorted;  ///< numbers of the parts along `axis`
   int axis = 0;
   real furthest = 0;  ///< largest reach of a part
-  real volume = 0, bounding_radius = 0;
+  real volume = 0, bounding_radius = 0, least_extent = 0;
   vec3 inertia{0, 0, 0};
   pose frame;  ///< of the body, in the coordinates of the user
   content_id id;
@@ -90,6 +91,7 @@ struct union_parts {
     std::stable_sort(sorted.begin(), sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
       return entries[a].centre[axis] < entries[b].centre[axis];
     });
+    find_least_extent();
   }
   /// Appends a part whose pose is already that in the frame of the body.
   template <class Shape>
@@ -135,6 +137,22 @@ struct union_parts {
   }
 
  private:
+  void find_least_extent() {
+    least_extent = std::numeric_limits<real>::infinity();
+    for (int k = 0; k < 3; ++k)
+      for (const real sign : {-1., 1.}) {
+        const vec3 d = sign * vec3::Unit(k);
+        real most = -std::numeric_limits<real>::infinity();
+        for (std::size_t n = 0; n < entries.size(); ++n)
+          visit(n, [&](const auto& shape, const pose& at, real) {
+            const vec3 p =
+                at.to_world(shape.support(inverse({{0, 0, 0}, at.orientation}).to_world(d)));
+            most = std::max(most, sign * p[k]);
+          });
+        least_extent = std::min(least_extent, most);
+      }
+    if (!(least_extent > 0)) least_extent = real(0.05) * bounding_radius;
+  }
   /// Throws runtime_error for invalid bytes, which a damaged file may contain.
   [[noreturn, gnu::cold]] static void refuse() {
     throw std::runtime_error("is damaged: a union_of makes no sense");

@@ -1,6 +1,7 @@
 #pragma once
 // The stages of a step of integrator<semi_implicit_euler>: velocities, then positions with them.
 #include "talus/ghosts/migrate_and_refresh.hpp"
+#include "talus/pairs/filtered_pairs.hpp"
 #include "talus/state/hooks.hpp"
 #include "talus/state/stage_clock.hpp"
 #include "talus/state/state.hpp"
@@ -17,6 +18,7 @@ namespace detail {
 template <class Scenario>
 void step_with_contacts(world_state<Scenario>& s) {
   timed(s, s.seconds.detect, [&] { find_contacts(s); });
+  note_copies_sent(s, false);
   run_hooks<stages::after_detect>(s);
   timed(s, s.seconds.respond, [&] { respond(s); });  // velocities that satisfy the contact law
   run_hooks<stages::after_solve>(s);
@@ -38,10 +40,12 @@ template <class Scenario>
 void step_with_forces(world_state<Scenario>& s) {
   run_hooks<stages::before_detect>(s);
   timed(s, s.seconds.detect, [&] { find_close_pairs(s); });
+  note_copies_sent(s, false);
   run_hooks<stages::after_detect>(s);
   timed(s, s.seconds.respond, [&] { measure_forces(s); });  // of all overlaps with own bodies
   run_hooks<stages::after_solve>(s);
-  timed(s, s.seconds.integrate, [&] { kick(s, s.dt), end_forces(s), drift(s, s.dt); });
+  timed(s, s.seconds.integrate,
+        [&] { kick<forces_of::this_step>(s, s.dt), end_forces(s), drift(s, s.dt); });
   run_hooks<stages::after_move>(s);
   run_hooks<stages::at_close>(s);
   run_hooks<stages::before_share>(s);

@@ -20,10 +20,14 @@ void world<Scenario>::write(detail::body_store<Shape, typename Scenario::feature
   store.flags[i] = fixed ? detail::flag_fixed : 0;
   store.inverse_mass[i] = 0;
   if constexpr (Shape::finite)
-    if (!fixed) {
-      store.inverse_mass[i] = 1 / (state_.materials[b.material].density * b.shape.volume());
+    if (!fixed || b.mass || b.density) {
+      const real inverse = 1 / detail::mass_of(b, state_.materials);
       if constexpr (!std::is_same_v<typename Scenario::precision, double>)
-        detail::require_mass_for_float(1 / store.inverse_mass[i], Shape::name);
+        detail::require_mass_for_float(1 / inverse, Shape::name);
+      if (fixed)
+        store.keep_mass(i, inverse);
+      else
+        store.inverse_mass[i] = inverse;
     }
   if constexpr (store_type::oriented) store.orientation_of[i] = b.orientation.normalized();
   if constexpr (store_type::forced) {
@@ -94,7 +98,7 @@ std::size_t world<Scenario>::fill(const Sites& sites, F&& f) {
               "fill made a {} at {} on site {}, which rank {} does not own: keep bodies at "
               "site.position, or filter the sites instead",
               shape::name, detail::text(b.position), detail::text(site.position), rank());
-        insert(b, id);
+        insert(detail::with_own_inertia(b, state_.materials), id);
         ++made;
       }
     };

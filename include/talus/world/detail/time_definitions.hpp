@@ -29,6 +29,7 @@ body_count world<Scenario>::audit() {
 template <class Scenario>
 void world<Scenario>::synchronize() {
   sections_.require_all_ranks("synchronize", rank());
+  detail::close_ledger(state_);
   require_domain();
   if constexpr (!link_type::alone) {
     require_two_sided_connections();
@@ -50,8 +51,9 @@ void world<Scenario>::synchronize() {
     detail::share_shadow_copies(state_, true);
     detail::share_shadow_copies(state_, true);
   }
+  if constexpr (detail::world_state<Scenario>::filters) detail::note_filters(state_);
   if constexpr (detail::world_state<Scenario>::sleeps) detail::note_sleepers(state_);
-  state_.changed = false;
+  state_.note_changes_sent();
   rewired_ = false;
   synchronized_ = true;
 }
@@ -96,6 +98,7 @@ void world<Scenario>::step(real dt) {
     detail::step_with_clock(state_, dt);
   else
     detail::step(state_, dt);
+  if (balances || !simulating_) detail::close_ledger(state_);
   const traffic sent = state_.link->counters() - before;
   state_.sent.messages_max = std::max(state_.sent.messages_max, sent.messages);
   state_.sent.bytes_max = std::max(state_.sent.bytes_max, sent.bytes);
@@ -116,6 +119,7 @@ void world<Scenario>::stop() {
 template <class Scenario>
 bool world<Scenario>::ends_now(const simulation& s) {
   if (s.stop_when && state_.steps % s.check_every == 0) {
+    detail::close_ledger(state_);
     stop_asked_ = s.stop_when() || stop_asked_;
     agree_ = true;
   }
@@ -200,6 +204,7 @@ void world<Scenario>::simulate(const simulation& s) {
     keeper_.course.end(state_.steps);
     keeper_.after_call = detail::parameters_of(state_);
   }
+  detail::close_ledger(state_);
   (void)audit();
 }
 

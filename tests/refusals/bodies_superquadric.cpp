@@ -1,5 +1,5 @@
-// expects: talus has no ellipsoids: take a convex_polyhedron of points on the surface, or a union_of<sphere>, see
-// docs/not_there.md
+// expects: talus calls superquadrics superellipsoid, with radii and the exponents n1 and n2 from 2 to 8: write
+// superellipsoid, see docs/policies/shapes.md
 // within: 5 lines
 #include "talus/body/bodies.hpp"
 #include "talus/shape/box.hpp"
@@ -9,7 +9,7 @@ using namespace talus;
 #ifdef TALUS_CONTROL
 using parts = bodies<sphere, box>;
 #else
-using parts = bodies<sphere, ellipsoid>;
+using parts = bodies<sphere, superquadric>;
 #endif
 
 const parts checked;

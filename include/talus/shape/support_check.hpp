@@ -1,0 +1,146 @@
+#pragma once
+// Whether the support function of a shape is that of a convex body, at sampled directions. A
+// mistake there would show as bodies that sink into each other, far from its cause.
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <stdexcept>
+
+#include "talus/concepts.hpp"
+#include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+
+namespace talus::detail {
+
+/// A shape behind the functions that are tested.
+struct untested_shape {
+  const void* shape;
+  const char* name;
+  real bounding_radius;
+  vec3 (*support)(const void*, const vec3& direction);
+  vec3 (*half_extents)(const void*, const pose& at);
+};
+
+/// Throws invalid_argument with the direction and the values unless, for 98 directions, support()
+/// is the furthest of all points found, depends on no length, and lies within the bounds.
+[[gnu::cold]] inline void require_convex_support(const untested_shape& s) {
+  constexpr real small = 1e-6;
+  const real slack = small * s.bounding_radius;
+  if (!(s.bounding_radius > 0) || !std::isfinite(s.bounding_radius))
+    fail<std::invalid_argument>(
+        "bounding_radius() of a {} returns {}; return the distance of its furthest point from the "
+        "centre of mass",
+        s.name, s.bounding_radius);
+  struct sample {
+    vec3 direction, point;
+    real reach = 0;  ///< of the point along the direction
+  };
+  const auto point_along = [&](const vec3& d) {
+    const vec3 p = s.support(s.shape, d);
+    if (!finite(p))
+      fail<std::invalid_argument>(
+          "the support function of a {} returns no point: support({}) is {}; return a point with "
+          "finite coordinates for every direction, for the zero vector any point of the shape",
+          s.name, d, p);
+    return p;
+  };
+  std::array<sample, 98> samples;
+  std::size_t count = 0;
+  const auto even = [](int i) { return i % 2 == 0; };
+  for (int i = -2; i <= 2; ++i)
+    for (int j = -2; j <= 2; ++j)
+      for (int k = -2; k <= 2; ++k) {
+        const bool zero = i == 0 && j == 0 && k == 0;
+        if (!zero && even(i) && even(j) && even(k)) continue;
+        const vec3 d = vec3(i, j, k).normalized();
+        if (zero) {
+          (void)point_along(d);
+          continue;
+        }
+        samples[count++] = {d, point_along(d), 0};
+      }
+  for (std::size_t k = 0; k < count; ++k) {
+    sample& one = samples[k];
+    one.reach = one.direction.dot(one.point);
+    if (one.point.norm() > s.bounding_radius + slack)
+      fail<std::invalid_argument>(
+          "the point support({}) of a {} is {}, at {} from its centre of mass, but its "
+          "bounding_radius() is {}; return the distance of its furthest point there",
+          one.direction, s.name, one.point, one.point.norm(), s.bounding_radius);
+    if (!(one.reach > 0))
+      fail<std::invalid_argument>(
+          "the point support({}) of a {} is {}, so that its centre of mass, the origin, is not "
+          "inside; give its points as seen from the centre of mass",
+          one.direction, s.name, one.point);
+    for (const real length : {real(1e-3), real(1e3)}) {
+      const vec3 d = length * one.direction, p = point_along(d);
+      if (!(std::abs(one.direction.dot(p) - one.reach) <= slack))
+        fail<std::invalid_argument>(
+            "the support function of a {} depends on the length of the direction: support({}) is "
+            "{}, but support({}) is {}; normalise the direction first",
+            s.name, one.direction, one.point, d, p);
+    }
+  }
+  for (std::size_t k = 0; k < count; ++k)
+    for (std::size_t m = 0; m < count; ++m) {
+      const sample &one = samples[k], &other = samples[m];
+      const real reach = one.direction.dot(other.point);
+      if (reach > one.reach + slack)
+        fail<std::invalid_argument>(
+            "the support function of a {} is not that of a convex body: support({}) is {}, but "
+            "support({}) is {}, which lies further along the first direction, at {} instead of {}; "
+            "return the furthest of all points of the body, and build a body that is not convex as "
+            "a union_of convex ones",
+            s.name, one.direction, one.point, other.direction, other.point, reach, one.reach);
+    }
+  for (const pose& at : {pose{}, pose{{0, 0, 0}, rotation({1, 2, 3}, real(0.7))}}) {
+    const vec3 half = s.half_extents(s.shape, at);
+    for (std::size_t k = 0; k < count; ++k) {
+      const vec3 p = rotated(at.orientation, samples[k].point);
+      for (int axis = 0; axis < 3; ++axis)
+        if (!(std::abs(p[axis]) <= half[axis] + slack))
+          fail<std::invalid_argument>(
+              "the point support({}) of a {} is {} in the frame of the world if its orientation is "
+              "({}, {}, {}, {}), but half_extents() of that pose returns {}; return half the edges "
+              "of the box around the posed shape",
+              samples[k].direction, s.name, p, at.orientation.w(), at.orientation.x(),
+              at.orientation.y(), at.orientation.z(), half);
+    }
+  }
+}
+
+/// Whether the support function of a shape is all that is known of it.
+template <class Shape>
+inline constexpr bool untested_support =
+    concepts::convex_shape<Shape> && !requires(const Shape& s) {
+  s.form();
+};
+/// The same, or that of a part of a union.
+template <class Shape>
+inline constexpr bool has_untested_support = untested_support<Shape>;
+template <template <class...> class Union, class... Parts>
+inline constexpr bool has_untested_support<Union<Parts...>> = untested_support<Union<Parts...>> ||
+                                                              (... || untested_support<Parts>);
+
+/// Tests a shape, or the parts of a union: of each type the first 64 values that differ from the
+/// one before, on each thread.
+template <class Shape>
+void require_convex(const Shape& s) {
+  if constexpr (untested_support<Shape>) {
+    thread_local int left = 64;
+    thread_local Shape last;
+    if (left == 0 || (left < 64 && s == last)) return;
+    require_convex_support({&s, Shape::name, s.bounding_radius(),
+                            [](const void* shape, const vec3& d) -> vec3 {
+                              return static_cast<const Shape*>(shape)->support(d);
+                            },
+                            [](const void* shape, const pose& at) -> vec3 {
+                              return static_cast<const Shape*>(shape)->half_extents(at);
+                            }});
+    last = s, --left;
+  } else if constexpr (requires { s.each_part([](const auto&, const pose&) {}); }) {
+    s.each_part([](const auto& part, const pose&) { require_convex(part); });
+  }
+}
+
+}  // namespace talus::detail

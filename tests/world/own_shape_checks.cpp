@@ -1,0 +1,114 @@
+// A shape of one's own whose support function or bounds are wrong is refused when a body with it is
+// added, with the direction and the values.
+#include <doctest/doctest.h>
+
+#include <limits>
+#include <string>
+#include <talus/parallel/serial.hpp>
+#include <talus/shape/ellipsoid.hpp>
+#include <talus/shape/sphere.hpp>
+#include <talus/shape/superellipsoid.hpp>
+#include <talus/shape/union_of.hpp>
+#include <talus/world/world.hpp>
+
+using namespace talus;
+
+namespace {
+
+int asked = 0;  ///< calls of support()
+
+/// A ball with a mistake.
+struct own {
+  enum mistake { none, hollow, inward, not_a_number, length, radius, box, zero, off };
+  real size = 1;
+  int kind = none;
+
+  static constexpr bool finite = true;
+  static constexpr bool isotropic = false;
+  static constexpr const char* name = "pebble";
+  void validate() const {}
+  [[nodiscard]] real bounding_radius() const { return kind == radius ? 0.9 * size : size; }
+  [[nodiscard]] real volume() const { return 4 * pi / 3 * size * size * size; }
+  [[nodiscard]] vec3 inertia() const { return vec3(1, 1, 1) * (0.4 * size * size); }
+  [[nodiscard]] vec3 support(const vec3& direction) const {
+    ++asked;
+    const vec3 d = kind == length ? direction : unit(direction);
+    // A dent at the top: points of the rim lie further along z.
+    if (kind == hollow && d[2] > 0.9) return 0.5 * size * d;
+    if (kind == inward) return -size * d;
+    if (kind == not_a_number && d[0] > 0.7)
+      return vec3(std::numeric_limits<real>::quiet_NaN(), 0, 0);
+    if (kind == zero && !(d.norm() > 0)) return vec3(0, 0, 0) / d.norm();
+    if (kind == off) return 0.1 * size * d + vec3(0, 0, 0.5 * size);
+    return size * d;
+  }
+  [[nodiscard]] vec3 half_extents(const pose&) const {
+    return vec3(size, size, kind == box ? 0.9 * size : size);
+  }
+  friend bool operator==(const own&, const own&) = default;
+};
+
+using both = union_of<own, sphere>;
+using scene = scenario<bodies<own, sphere, both, plane>, transport<serial>>;
+
+template <class Shape>
+std::string refusal(const Shape& s) {
+  serial::link link;
+  world<scene> w(link);
+  const auto stuff = w.material({.density = 1});
+  try {
+    w.add(body<Shape>{.shape = s, .material = stuff});
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+bool says(const std::string& text, const char* words) {
+  INFO(text);
+  CHECK(text.find(words) != std::string::npos);
+  return text.find(words) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("a shape of one's own with a mistake is refused, with the direction and the values") {
+  CHECK(refusal(own{}) == "");
+  CHECK(refusal(own{1e-50}) == "");
+  CHECK(refusal(own{1e50}) == "");
+  for (const real size : {1., 1e-6}) {
+    says(refusal(own{size, own::hollow}),
+         "the support function of a pebble is not that of a convex body: support((");
+    says(refusal(own{size, own::inward}), "so that its centre of mass, the origin, is not inside");
+    says(refusal(own{size, own::not_a_number}), "of a pebble returns no point: support((");
+    says(refusal(own{size, own::length}), "depends on the length of the direction: support((");
+    says(refusal(own{size, own::radius}), "bounding_radius() is ");
+    says(refusal(own{size, own::box}), "half_extents() of that pose returns (");
+    says(refusal(own{size, own::zero}), "support((0, 0, 0)) is (");
+    says(refusal(own{size, own::off}), "the origin, is not inside");
+  }
+  says(refusal(own{1, own::hollow}), "(0, 0, 1)");
+  says(refusal(own{1, own::hollow}), "at 0.");
+  says(refusal(own{std::numeric_limits<real>::quiet_NaN()}),
+       "bounding_radius() of a pebble returns nan");
+}
+
+TEST_CASE("parts of unions are tested, too") {
+  CHECK(refusal(both({{.shape = own{}}, {.shape = sphere{0.5}}})) == "");
+  says(refusal(both({{.shape = own{1, own::hollow}}, {.shape = sphere{0.5}}})),
+       "the support function of a pebble is not that of a convex body");
+}
+
+TEST_CASE("many bodies of one shape are tested once, and many shapes at a bounded cost") {
+  serial::link link;
+  world<scene> w(link);
+  const auto stuff = w.material({.density = 1});
+  const own same{1.25};
+  w.add(body{.shape = same, .material = stuff});
+  const int first = asked;
+  for (int k = 0; k < 100; ++k)
+    w.add(body{.shape = same, .position = {3.0 * k, 0, 0}, .material = stuff});
+  CHECK(asked == first);
+  for (int k = 0; k < 1000; ++k)
+    w.add(body{.shape = own{1 + 1e-3 * k}, .position = {3.0 * k, 4, 0}, .material = stuff});
+  CHECK(asked < 64 * 500);
+}
