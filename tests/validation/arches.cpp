@@ -18,12 +18,23 @@ TEST_CASE("a semicircular arch of wedges stands at 1.02 and falls at 0.98 of the
                    1);
 }
 
-TEST_CASE("eight arches side by side stand as one does") {
-  const auto all = watch(1, 3, [](auto& w) {
+/// `count` arches of 20 wedges, this far from each other.
+static tracks arches(int count, real thickness, real distance) {
+  return watch(1, 3, [&](auto& w) {
     const auto m = w.material({.friction = 0.7});
     w.gravity({0, 0, -g});
     w.global([&](auto& s) { s.add(plane{}, m); });
-    for (int k = 0; k < 8; ++k) add_arch(w, m, 20, 1.02 * 0.10746, 0.5 * k);
+    for (int k = 0; k < count; ++k) add_arch(w, m, 20, thickness, distance * k);
   });
-  CHECK(moved(all) < 1e-6);
+}
+
+TEST_CASE("eight arches side by side stand as one does") {
+  CHECK(moved(arches(8, 1.02 * 0.10746, 0.5)) < 1e-6);
+}
+
+TEST_CASE("arches that touch each other stand") {
+  constexpr real width = 0.3;
+  for (const real gap : {0.0, 1e-4}) CHECK(moved(arches(2, 0.15, width + gap)) < 2e-4);
+  CHECK(moved(arches(4, 0.15, width)) < 2e-4);
+  CHECK(moved(arches(2, 0.3, width)) < 2e-4);
 }

@@ -73,7 +73,8 @@ class stalled_islands {
             -stall <= (one.sweeps_do() ? negligible : let_be) * s.speed)
           continue;
         if (clusters && islands[one.within].done) continue;
-        if (!one.sweeps_do() && !one.overloaded && s.islands.spare() == 0) continue;
+        if (!one.sweeps_do() && !one.overloaded && !one.may_be_long() && s.islands.spare() == 0)
+          continue;
         searched_at |= !one.sweeps_do();
         one.done =
             one.sweeps_do() ? balance_large(one, found, s) : solve_one(one, found, s, budget);
@@ -139,6 +140,22 @@ class stalled_islands {
     if (result == outcome::not_stalled) s.islands.need_no_balance();
     return result == outcome::done;
   }
+  /// Whether many of the loaded contacts slide or part faster than that, as in a heap that moves.
+  static bool flows(const isolated_island& alone, real fast) {
+    const auto at_point = [&](std::int32_t body, const vec3& arm) -> vec3 {
+      if (body < 0) return {0, 0, 0};
+      const solver_body& b = alone.state.bodies[static_cast<std::size_t>(body)];
+      return b.v + b.w.cross(arm);
+    };
+    std::size_t loaded = 0, fast_ones = 0;
+    for (const island_contact& c : alone.contacts) {
+      if (c.impulse == vec3(0, 0, 0)) continue;
+      ++loaded;
+      const vec3 v = at_point(c.a, c.arm_a) - at_point(c.b, c.arm_b);
+      if (v.squaredNorm() > fast * fast) ++fast_ones;
+    }
+    return fast_ones > loaded / 8;
+  }
   /// Whether the island, with its known length, is stalled and within the budget.
   static bool solve_one(island& one, search& found, State& s, double& budget) {
     const isolated_island alone = found.isolate(one, s);
@@ -151,7 +168,9 @@ class stalled_islands {
     // Not if the sweeps that it replaces cost less, as in wide heaps.
     const real pays = sweep_cost * sweeps * static_cast<real>(contacts.size());
     // The joints move what was solved here, so that it stalls again.
-    const bool fails = one.overloaded && !one.jointed;
+    const bool is_long = !one.is_cluster() && one.is_long(rows) && !flows(alone, s.speed);
+    const bool fails = (one.overloaded || is_long) && !one.jointed;
+    if (!fails && s.islands.spare() == 0) return false;
     if (!fails) s.islands.spend_spare(overhead * static_cast<real>(contacts.size()));
     double left = std::min<double>(fails ? budget : s.islands.spare(), pays);
     const double before = left;
@@ -172,7 +191,7 @@ class stalled_islands {
       return true;
     }
     one.rows = rows;
-    if (contacts.size() > island::small && !one.is_cluster()) return false;
+    if (contacts.size() > island::small && !one.is_cluster() && !is_long) return false;
     if (left < body_newton::per_contact * static_cast<real>(contacts.size())) return false;
     contact_vector r;
     const body_problem problem(contacts, alone.state, r);

@@ -21,23 +21,22 @@ namespace talus::detail {
 struct stalled_island {
   static constexpr std::uint32_t none = overloaded_clusters::none;
   /// Contacts of islands that are solved in each step in which they stall. Of larger ones only long
-  /// chains and the clusters of heavy bodies on light ones are, unless the island rests.
+  /// ones and the clusters of heavy bodies on light ones are, unless the island rests.
   static constexpr std::size_t small = 64;
   /// Larger islands are not solved as a whole, unless their bodies can rest on each other: sweeps
   /// work well, as in a pile.
   static constexpr std::size_t many = 1000;
-  /// Pairs in contact for each body of an arch or a tower, ground included, at most; bodies of
-  /// heaps have two and more.
-  static constexpr real pairs_of_chain = 1.25;
+  /// Bodies of a long island beside each other, at most: arches, towers and columns are long.
+  static constexpr real abreast = 4;
   /// Sweeps that would remove the error of an island, of which the sweeps of a step are a small
   /// part.
   static constexpr real too_many_sweeps = 100;
 
   std::size_t size = 0, end = 0;  ///< number of its contacts, and their end in `members_`
-  std::size_t pairs = 0, bodies = 0;
+  std::size_t bodies = 0;
   std::uint32_t within = none;  ///< the island of a cluster
   std::uint32_t cluster = none;
-  bool overloaded = false;  ///< sweeps fail: a cluster, a small island with one, or a long chain
+  bool overloaded = false;  ///< sweeps fail: a cluster, or a small island with one
   bool jointed = false;     ///< contains bodies with joints
   bool elsewhere = false;   ///< solved as a part of a gathered island
   bool done = false;        ///< is solved
@@ -53,12 +52,12 @@ struct stalled_island {
   [[nodiscard]] real error() const { return change * error_per_change(); }
   [[nodiscard]] bool is_cluster() const { return within != none; }
   [[nodiscard]] bool sweeps_do() const { return size > many && !is_cluster(); }
-  /// Whether its bodies are in a row, so long that sweeps fail: its solution costs less than they.
-  [[nodiscard]] bool is_long_chain() const {
-    const real n = static_cast<real>(bodies);
-    return static_cast<real>(pairs) <= pairs_of_chain * n + 1 &&
-           n * n * most_mass > too_many_sweeps * least_mass;
+  /// Whether it is so long and narrow that sweeps fail, with so many contacts in a row. Its
+  /// solution costs less than the sweeps would.
+  [[nodiscard]] bool is_long(real in_a_row) const {
+    return static_cast<real>(bodies) <= abreast * in_a_row && in_a_row * in_a_row > too_many_sweeps;
   }
+  [[nodiscard]] bool may_be_long() const { return is_long(static_cast<real>(bodies)); }
   void add(real mass) {
     least_mass = std::min(least_mass, mass), most_mass = std::max(most_mass, mass);
   }
@@ -150,7 +149,6 @@ class stalled_search {
       masses_[i] = s.bodies[i].inverse_mass != 0 ? 1 / real(s.bodies[i].inverse_mass) : 0;
     each_contact([&](island& one, const contact_ends& c, std::size_t n) {
       ++one.size;
-      if (begins_pair(n)) ++one.pairs;
       for (const std::int32_t end : {c.a, c.b})
         if (end >= 0 && moves(s, end)) one.add(mass_of(end));
     });
@@ -164,8 +162,6 @@ class stalled_search {
       if (i < s.bodies.size())
         if (const auto number = number_[sets_.root(i)]; number != 0)
           islands_[number - 1].jointed = true;
-    for (island& one : islands_)
-      one.overloaded = !one.elsewhere && !one.sweeps_do() && one.is_long_chain();
     find_clusters(changes);
     balances_ = s.fall != vec3(0, 0, 0) && s.islands.balances();
     std::size_t members = 0;
@@ -241,10 +237,6 @@ class stalled_search {
   }
   [[nodiscard]] real mass_of(std::int32_t i) const { return masses_[static_cast<std::size_t>(i)]; }
 
-  /// Contacts of one pair follow each other.
-  [[nodiscard]] bool begins_pair(std::size_t n) const {
-    return n == 0 || ends_[n].a != ends_[n - 1].a || ends_[n].b != ends_[n - 1].b;
-  }
   /// Where a contact is.
   [[nodiscard]] member place_of(std::size_t n) const {
     std::size_t list = 0;

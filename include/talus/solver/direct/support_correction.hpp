@@ -9,6 +9,7 @@
 
 #include "talus/constraint/island_contact.hpp"
 #include "talus/constraint/solver_state.hpp"
+#include "talus/core/disjoint_sets.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/solver/contact_access.hpp"
@@ -23,7 +24,9 @@ namespace talus::detail {
 /// which tilts the bodies. One pass from the ground up moves each body relative to those that
 /// support it, which have moved already. The motion of a body is the least one that gives its
 /// loaded supports their rates, and does not let the others come closer than theirs, as far as
-/// possible.
+/// possible. An island whose contacts are then further from their rates than before is not moved:
+/// supports of one body that are almost parallel, but differ in their rates, as the sides of two
+/// arches that touch, send it far away, and the bodies above further with each row.
 class support_correction : support_graph {
  public:
   support_correction(const plain_vector<island_contact>& contacts, const solver_state& s)
@@ -43,6 +46,7 @@ class support_correction : support_graph {
     for (std::size_t k = order_.size(); k-- > 0;)
       if (const std::int32_t body = order_[k]; v_of(s_->bodies[at(body)]).norm() < fastest)
         correct(body, least);
+    keep_better();
   }
   /// Calls f(body, displacement per time) for the bodies that are displaced.
   template <class F>
@@ -52,6 +56,9 @@ class support_correction : support_graph {
 
  private:
   static constexpr int most_rounds = 6;
+  /// As least_shift. A round then moves a body at most some hundred times as far as its rates ask
+  /// for, in the directions that supports almost leave free.
+  static constexpr real damping = 1e-5;
 
   /// The rate of separation in excess of the one that is asked for.
   [[nodiscard]] real excess(const support& c) const {
@@ -84,12 +91,35 @@ class support_correction : support_graph {
         const real rate = excess(c);
         for (std::size_t j = 0; j < 6; ++j) change[j] -= rate * d[j];
       }
-      if (!factorize(pivot_, g)) return;
+      if (!factorize(pivot_, g, damping)) return;
       pivot_.template solve<1>(change.data());
       moved_[at(body)].v += vec3(change[0], change[1], change[2]);
       if (at(body) >= s_->first_tensor)
         moved_[at(body)].w += 1 / length * vec3(change[3], change[4], change[5]);
     }
+  }
+
+  /// What is missing at a contact from its rate: a loaded one is to move as asked, the others may
+  /// not come closer than that.
+  [[nodiscard]] static real missing(const island_contact& c, real rate) {
+    const bool loaded = c.target_velocity == 0 && c.impulse.dot(c.axes.row(0)) > 0;
+    return loaded ? rate - c.correction_rate : std::min(real(0), rate - c.correction_rate);
+  }
+  /// Leaves the islands where they are whose contacts have not come closer to their rates.
+  void keep_better() {
+    disjoint_sets islands(moved_.size());
+    for (const island_contact& c : *contacts_)
+      if (moves(c.a) && moves(c.b)) islands.join(c.a, c.b);
+    plain_vector<real> gained(moved_.size(), 0);
+    for (const island_contact& c : *contacts_) {
+      vec3 v{0, 0, 0};
+      if (moves(c.a)) v += of_point(moved_[at(c.a)], c.arm_a);
+      if (moves(c.b)) v -= of_point(moved_[at(c.b)], c.arm_b);
+      const real before = missing(c, 0), after = missing(c, c.axes.row(0).dot(v));
+      gained[islands.root(moves(c.a) ? c.a : c.b)] += before * before - after * after;
+    }
+    for (std::size_t i = 0; i < moved_.size(); ++i)
+      if (!(gained[islands.root(i)] > 0)) moved_[i] = {};
   }
 
   plain_vector<body_motion> moved_;

@@ -29,7 +29,7 @@ class support_graph {
   static constexpr real least_slope = 0.05;
   /// The fraction of the trace of a matrix that is added to its diagonal, because supports may
   /// leave directions free.
-  static constexpr real shift = 1e-9;
+  static constexpr real least_shift = 1e-9;
 
   support_graph(const plain_vector<island_contact>& contacts, const solver_state& s)
       : contacts_(&contacts), s_(&s) {
@@ -72,7 +72,7 @@ class support_graph {
     for (std::size_t j = 0; j < 6; ++j)
       for (std::size_t k = 0; k < 6; ++k) g.at[6 * j + k] += u[j] * u[k];
   }
-  [[nodiscard]] static bool factorize(body_pivot& pivot, body_block b) {
+  [[nodiscard]] static bool factorize(body_pivot& pivot, body_block b, real shift = least_shift) {
     real sum = 0;
     for (int j = 0; j < 6; ++j) sum += b(j, j);
     for (int j = 0; j < 6; ++j) b(j, j) += shift * sum;
