@@ -101,7 +101,7 @@ struct drum {
         for (const auto& n : talus::detail::state_of(w).neighbours) moved += n.channel.taken.bodies;
         if (k % 1000 == 0 && w.audit().bodies != bodies)
           throw std::runtime_error("bodies are not as many as were poured in and not taken out");
-        if (link.rank() == 0 && k == steps / 10) result.early_mib = resident_mib();
+        if (link.rank() == 0 && k == steps / 2) result.early_mib = resident_mib();
         if (link.rank() == 0 && k % (steps / 10) == 0)
           std::fprintf(stderr, "%llu steps, %llu bodies, %.1f MiB\n",
                        static_cast<unsigned long long>(k), static_cast<unsigned long long>(bodies),

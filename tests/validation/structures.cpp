@@ -62,7 +62,7 @@ TEST_CASE("a tall box on an incline slides, tips or stays as mu, b/h and the ang
       if (!c.tips)
         check_absolute(test, what + ": speed after 2 s",
                        c.slides ? 2 * g * (std::sin(angle) - c.mu * std::cos(angle)) : 0,
-                       along.dot(end.velocity), 1e-9);
+                       along.dot(end.velocity), 2e-8);  // a settled step may leave 1e-4 of g dt
     }
 }
 
