@@ -189,7 +189,7 @@ TEST_CASE("so does a hull on slats that are hulls") {
   check_slats<scene_with<transport<serial>>, convex_polyhedron>(cube);
 }
 
-TEST_CASE("where fixed and global slats meet, twenty iterations keep speed and height to 1e-6") {
+TEST_CASE("where fixed and global slats meet, a cube keeps speed and height to 1e-6") {
   using scene = scene_with<transport<serial>>;
   using reproduced = scene_with<transport<serial>, solver<reproducible>>;
   const box cube{{0.06, 0.06, 0.06}};
@@ -201,9 +201,10 @@ TEST_CASE("where fixed and global slats meet, twenty iterations keep speed and h
           CAPTURE(dt);
           CAPTURE(angle);
           CAPTURE(v[0]);
-          CHECK(error_of<scene, box>(cube, slats::in_turn, width, dt, angle, v, 20) < 1e-6);
+          CHECK(error_of<scene, box>(cube, slats::in_turn, width, dt, angle, v) < 1e-6);
+          // Sweeps alone need more of them.
           CHECK(error_of<reproduced, box>(cube, slats::in_turn, width, dt, angle, v, 20) < 1e-6);
-          CHECK(error_of<scene, box>(cube, slats::in_turn, width, dt, angle, v) < 3e-5);
+          CHECK(error_of<reproduced, box>(cube, slats::in_turn, width, dt, angle, v) < 3e-5);
         }
 }
 

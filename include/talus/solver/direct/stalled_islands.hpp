@@ -70,7 +70,7 @@ class stalled_islands {
       for (const auto& [stall, i] : worst_first) {
         island& one = islands[i];
         if (one.is_cluster() != clusters ||
-            -stall <= (one.sweeps_do() ? negligible : let_be) * s.speed)
+            -stall <= (one.sweeps_do() ? negligible : left_to_sweeps(one)) * s.speed)
           continue;
         if (clusters && islands[one.within].done) continue;
         if (!one.sweeps_do() && !one.overloaded && !one.may_be_long() && s.islands.spare() == 0)
@@ -86,7 +86,7 @@ class stalled_islands {
     real errors = 0;
     for (const island& one : islands) {
       errors = std::max(errors, one.error_per_change());
-      settled = settled && (one.done || one.error() <= negligible * s.speed);
+      settled = settled && (one.done || one.error() <= left_when_settled(one) * s.speed);
     }
     s.islands.note_errors(errors);
     s.islands.close(budget);
@@ -113,6 +113,15 @@ class stalled_islands {
   static constexpr real let_be = 0.1;
   /// The fraction of solver_state::speed up to which an error needs no more sweeps, and no balance.
   static constexpr real negligible = 1e-4;
+
+  /// The same two of a single body on what cannot move. It costs little, and what is left tilts it:
+  /// on a seam between a fixed and a global body, which are in two lists.
+  static constexpr real let_one_be = 1e-6, negligible_of_one = 1e-7;
+
+  static real left_to_sweeps(const island& one) { return one.bodies == 1 ? let_one_be : let_be; }
+  static real left_when_settled(const island& one) {
+    return one.bodies == 1 ? negligible_of_one : negligible;
+  }
 
   enum class outcome : char { not_stalled, failed, done };
   /// Lets the bodies of an island rest on each other, if so many are above each other that sweeps
@@ -162,7 +171,7 @@ class stalled_islands {
     const plain_vector<island_contact>& contacts = alone.contacts;
     const contact_order order(contacts, alone.state);
     const real rows = one.rows = 1 + static_cast<real>(order.length());
-    if (one.error() <= let_be * s.speed) return false;
+    if (one.error() <= left_to_sweeps(one) * s.speed) return false;
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     const real sweeps = rows * rows * one.most_mass / one.least_mass;
     // Not if the sweeps that it replaces cost less, as in wide heaps.
