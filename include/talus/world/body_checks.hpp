@@ -34,6 +34,9 @@ template <class Shape>
 /// shape cannot have.
 [[gnu::cold]] void require_own_mass(const own_mass& own, const char* shape, const vec3& position);
 
+/// Throws invalid_argument, with the values, unless a distribution of mass can have the tensor.
+[[gnu::cold]] void require_inertia(const mat3& tensor, const char* shape, const vec3& position);
+
 /// Throws invalid_argument, with the value, for a mass or principal moments that are not normal
 /// numbers.
 [[gnu::cold]] void require_normal_mass(const char* shape, real mass, const vec3& moments);
@@ -55,6 +58,8 @@ void require_sane(const body<Shape>& b, const material_table& materials, bool gl
         "the world has no material yet: make one with world.material(...) before adding bodies");
   if (b.density || b.mass || b.inertia || b.centre)
     require_own_mass(own_mass_of(b, global), Shape::name, b.position);
+  if constexpr (takes_inertia<Shape>)
+    if (b.inertia) require_inertia(b.inertia.value(), Shape::name, b.position);
   if constexpr (Shape::finite) {
     const real mass = mass_of(b, materials);
     const vec3 moments = mass * b.shape.inertia();

@@ -24,7 +24,6 @@ TALUS_INLINE void require_normal_mass(const char* shape, real mass, const vec3& 
           shape, moments[k]);
 }
 
-/// Throws invalid_argument unless a mass distribution can have the tensor.
 TALUS_INLINE void require_inertia(const mat3& tensor, const char* shape, const vec3& position) {
   real largest = 0;
   for (int i = 0; i < 3; ++i) {
@@ -111,7 +110,6 @@ TALUS_INLINE void require_own_mass(const own_mass& own, const char* shape, const
           "world",
           own.centre.value(), shape, position, distance / own.radius);
   }
-  if (own.inertia) require_inertia(own.inertia.value(), shape, position);
 }
 
 }  // namespace talus::detail
