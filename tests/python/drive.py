@@ -271,7 +271,7 @@ class Worlds(unittest.TestCase):
         self.assertEqual(spheres.velocities[row].tolist(), [0, 2, 0])
         crate = world.bodies["box"].add(1, 2, 3, position=(0, -9, 4), mass=7)
         table = world.body_table()
-        self.assertEqual(table["mass"][list(table["id"]).index(crate)], 7)
+        self.assertEqual(table["mass"][table["id"].tolist().index(crate)], 7)
         world.step(1)
         world.bodies["box"].remove(crate)
         spheres.remove(new)
