@@ -277,7 +277,7 @@ class Worlds(unittest.TestCase):
         spheres.remove(new)
         self.assertEqual((len(spheres), len(world.bodies["box"])), (3, 1))
         self.assertEqual(world.run(), 46)  # and the audit finds all bodies
-        for add, words in [(lambda: spheres.add(position=(0, 0, 9)), "a sphere has a radius, so add takes 1 numbers"),
+        for add, words in [(lambda: spheres.add(position=(0, 0, 9)), "a sphere is given by radius: add takes 1 numbers"),
                            (lambda: spheres.add(-1, position=(0, 0, 9)), "radius"),
                            (lambda: spheres.add(1, position=(0, 0, float("nan"))), "position"),
                            (lambda: spheres.add(1, position=(0, 0, 9), material=7), "material"),
