@@ -88,8 +88,8 @@ void bind_changes(Class& bodies_class) {
           "add",
           [](const bodies& b, const py::args& sizes, const std::array<real, 3>& position,
              const std::array<real, 3>& velocity, const std::array<real, 3>& angular_velocity,
-             const std::array<real, 4>& orientation, std::uint16_t material,
-             const std::optional<real>& mass, const std::optional<real>& density) {
+             const std::array<real, 4>& orientation, const std::optional<real>& mass,
+             const std::optional<real>& density, std::uint16_t material) {
             const auto numbers = sizes.cast<std::vector<real>>();
             const new_body how{position, velocity, angular_velocity, orientation,
                                material, mass,     density};
@@ -97,8 +97,9 @@ void bind_changes(Class& bodies_class) {
                 [&](world_type& w) { return add_body(w, b.shape, numbers, how); });
           },
           py::arg("position"), py::arg("velocity") = none, py::arg("angular_velocity") = none,
-          py::arg("orientation") = std::array<real, 4>{0, 0, 0, 1}, py::arg("material") = 0,
-          py::arg("mass") = py::none(), py::arg("density") = py::none(),
+          // After *args, pybind11 2.10 does not convert the last argument: a whole number stays one.
+          py::arg("orientation") = std::array<real, 4>{0, 0, 0, 1}, py::arg("mass") = py::none(),
+          py::arg("density") = py::none(), py::arg("material") = 0,
           "Adds a body and returns its id: add(radius, position=...), of a box add(x, y, z, "
           "position=...), of a capsule or cylinder add(radius, length, position=...). The material "
           "is its number in the order of the set-up; mass or density replaces its density.")
