@@ -143,7 +143,7 @@ logged() {
 dry() {
   local ranks
   for ranks in "$program" "$program --ranks 4" "${launch[*]} $program"; do
-    expect 0 'drop: dry run, nothing is written' 'bodies   729, of which 729 can move' \
+    expect 0 'drop: dry run, no output of the options is written' 'bodies   729, of which 729 can move' \
       'for the 700 steps' -- $ranks --dry-run --steps 700 --json o.json --checkpoint c.h5 --log l.log
     [[ ! -e o.json && ! -e c.h5 && ! -e l.log && ! -e o.json.config.toml ]] || fail "files of a dry run"
   done

@@ -79,7 +79,7 @@ std::string caught(std::FILE* stream, const std::string& file, F&& f) {
 /// Four balls in a row fall onto a floor. `pause`: seconds that each step takes at least.
 outcome run_balls(const folder& in, std::vector<std::string> words, bool writes_json = true,
                   double pause = 0, double recorded = 1, real friction_of_floor = -1,
-                  pair_rules rules = {}) {
+                  pair_rules rules = {}, int calls = 1) {
   const std::string json = in.path + "/balls.json";
   words.insert(words.begin(), "balls");
   if (writes_json) words.insert(words.end(), {"--json", json, "--force"});
@@ -108,7 +108,8 @@ outcome run_balls(const folder& in, std::vector<std::string> words, bool writes_
                 of.record("own", recorded * (of.time() < 1 ? of.time() : 1.0), "1");
               if (pause > 0) std::this_thread::sleep_for(std::chrono::duration<double>(pause));
             });
-            world.simulate({.steps = options.steps, .dt = options.dt});
+            for (int k = 0; k < calls; ++k)
+              world.simulate({.steps = options.steps, .dt = options.dt});
           });
     });
   });
@@ -277,7 +278,7 @@ TEST_CASE("a dry run counts the bodies, estimates the rest, and writes nothing")
                   false);
     CHECK(o.code == 0);
     CHECK(o.err.empty());
-    CHECK(has(o.out, "balls: dry run, nothing is written"));
+    CHECK(has(o.out, "balls: dry run, no output of the options is written"));
     CHECK(has(o.out, std::string("bodies   4, of which 4 can move; ") +
                          (*ranks == '1' ? "4" : "1") + " on the rank with most of " + ranks));
     CHECK(has(o.out, "of two materials: friction by the mean, restitution by the mean; 0 with"));
@@ -287,6 +288,28 @@ TEST_CASE("a dry run counts the bodies, estimates the rest, and writes nothing")
                                     in.path + "/none.json.config.toml"})
       CHECK(access(file.c_str(), F_OK) != 0);
   }
+}
+
+TEST_CASE("a dry run tries each call of simulate and adds up their times") {
+  const folder in;
+  const auto dry = [&](const char* ranks, int calls) {
+    const auto o = run_balls(in, {"--dry-run", "--ranks", ranks, "--steps", "300"}, false, 0, 1, -1,
+                             {}, calls);
+    CHECK(o.code == 0);
+    CHECK(o.err.empty());
+    return o.out;
+  };
+  for (const char* ranks : {"1", "4"}) {
+    CHECK(!has(dry(ranks, 1), "\nall "));
+    const std::string two = dry(ranks, 2);
+    CHECK(has(two, "for the 300 steps of this call"));
+    CHECK(has(two, "\na later call of simulate()\n"));
+    CHECK(has(two, "\nall 2 calls of simulate()\n"));
+    CHECK(has(two, " for 600 steps\n"));
+  }
+  const std::string many = dry("1", 25);
+  CHECK(has(many, "\nall 20 calls of simulate()\n"));
+  CHECK(has(many, "the calls after these are not tried"));
 }
 
 TEST_CASE("the log has what the terminal shows, also of a quiet run, with what the run is") {

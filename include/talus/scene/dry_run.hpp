@@ -49,8 +49,9 @@ struct run_estimate {
   std::uint64_t bodies_max = 0;     ///< on the rank that has most
   double bytes = 0, bytes_max = 0;  ///< of bodies and contacts after the trial; of the largest rank
   double process_bytes_max = 0;  ///< that the largest process has had, with programs and libraries
-  std::uint64_t first_step = 0, steps = 0;  ///< to be made by this call of simulate()
-  std::string pair_rules;                   ///< in words; empty: of one material
+  /// To be made by this call of simulate(), and by those before it.
+  std::uint64_t steps = 0, first_step = 0;
+  std::string pair_rules;  ///< in words; empty: of one material
   bool gravity = false;
   bool falls = false;        ///< bodies can move, and come to rest on each other
   double steps_of_fall = 0;  ///< in which the body at the top falls to the bottom and comes to rest
@@ -72,9 +73,23 @@ struct run_estimate {
   [[nodiscard]] double seconds() const;
 };
 
+/// Calls of simulate() that a dry run tries, at most: programs may call it until something holds.
+inline constexpr int most_tried_calls = 20;
+
+/// What all calls of simulate() will need.
+struct total_estimate {
+  int calls = 0;
+  std::uint64_t steps = 0;
+  double seconds = 0;
+  void add(const run_estimate& e) { ++calls, steps += e.steps, seconds += e.seconds(); }
+};
+
 /// The most memory that this process has had.
 [[nodiscard, gnu::cold]] double bytes_of_process();
+/// Without a program, of a later call.
 [[nodiscard, gnu::cold]] std::string to_text(const run_estimate& e, const std::string& program);
+/// Empty for one call, unless there is a `remark`.
+[[nodiscard, gnu::cold]] std::string to_text(const total_estimate& e, const std::string& remark);
 
 /// Collective: the bodies of a run, and the steps in which they fall.
 template <class Scenario>
@@ -103,13 +118,15 @@ template <class Scenario>
 }
 
 /// Collective: makes steps for a second, and up to ten seconds while the bodies still come to rest
-/// on each other, and measures. `steps`: those of simulate().
+/// on each other, and measures. `steps`: those of this call of simulate(); `before`: those of the
+/// earlier ones, of which trials may have made fewer.
 template <class Scenario>
-[[nodiscard, gnu::cold]] run_estimate estimate_run(world<Scenario>& w, std::uint64_t steps) {
+[[nodiscard, gnu::cold]] run_estimate estimate_run(world<Scenario>& w, std::uint64_t steps,
+                                                   std::uint64_t before = 0) {
   constexpr double long_enough = 1, longest = 10, part = 0.2;
   run_estimate e;
   e.ranks = w.ranks();
-  e.first_step = w.steps();
+  e.first_step = std::max<std::uint64_t>(w.steps(), before);
   e.steps = steps;
   if (w.materials().size() > 1) e.pair_rules = w.materials().describe_rules();
   const real dt = state_of(w).dt;

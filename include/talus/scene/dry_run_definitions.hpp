@@ -108,7 +108,9 @@ TALUS_INLINE double run_estimate::seconds() const {
 }
 
 TALUS_INLINE std::string to_text(const run_estimate& e, const std::string& program) {
-  std::string all = compose("{}: dry run, nothing is written\n", program);
+  std::string all = program.empty()
+                        ? std::string("a later call of simulate()\n")
+                        : compose("{}: dry run, no output of the options is written\n", program);
   all += compose("  bodies   {}, of which {} can move; {} on the rank with most of {}\n", e.bodies,
                  e.movable, e.bodies_max, e.ranks);
   const bool moving = e.falls && !e.settled();
@@ -132,6 +134,15 @@ TALUS_INLINE std::string to_text(const run_estimate& e, const std::string& progr
   if (moving) all += compose(", about {} at rest", text(1 / e.step_at_rest(), 3));
   return all + compose("\n  time     {} for the {} steps of this call of simulate()\n",
                        seconds_text(e.seconds()), e.steps);
+}
+
+TALUS_INLINE std::string to_text(const total_estimate& e, const std::string& remark) {
+  std::string all;
+  if (e.calls > 1)
+    all = compose("all {} calls of simulate()\n  time     {} for {} steps\n", e.calls,
+                  seconds_text(e.seconds), e.steps);
+  if (!remark.empty()) all += compose("  {}\n", remark);
+  return all;
 }
 
 }  // namespace talus::detail

@@ -205,7 +205,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   const bool quiet = options.quiet, silent = quiet && options.log.empty();
   if (speaks) log.write(compose("ranks        {}\n", w.ranks()));
 
-  progress_line progress(speaks && !quiet ? stderr : nullptr,
+  progress_line progress(speaks && !quiet && !options.dry_run ? stderr : nullptr,
                          speaks && log.is_open()
                              ? [&log](const std::string& line) { log.write(line); }
                              : std::function<void(const std::string&)>());
@@ -213,12 +213,17 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   run_place place{.rank = link.rank()};
   until_option until(options);
   std::vector<std::uint64_t> asked;  // of the calls of simulate()
+  total_estimate estimate;
   w.before_simulating("checks at the start", [&] {
     asked.push_back(w.last_step() - w.steps());
     if (options.dry_run) {
-      const run_estimate e = estimate_run(w, w.last_step() - w.steps());
-      if (speaks) log.print(to_text(e, name));
-      throw ended_early{w.steps(), 0, ended_early::cause::dry_run};
+      const run_estimate e = estimate_run(w, w.last_step() - w.steps(), estimate.steps);
+      if (speaks) log.print(to_text(e, estimate.calls == 0 ? name : ""));
+      estimate.add(e);
+      if (estimate.calls == most_tried_calls)
+        throw ended_early{w.steps(), 0, ended_early::cause::dry_run};
+      w.stop();
+      return;
     }
     require_pictures(w, options);
     table.begin(w);
@@ -268,7 +273,10 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
       own = set_up(w, options);
     w.require_restarted();
   } catch (const ended_early& end) {
-    if (end.why == ended_early::cause::dry_run) return 0;
+    if (end.why == ended_early::cause::dry_run) {
+      if (speaks) log.print(to_text(estimate, "the calls after these are not tried"));
+      return 0;
+    }
     const bool by_limit = end.why == ended_early::cause::time_limit;
     if (speaks)
       log.say(compose("{}: ended by {} in step {}; {}\n", name,
@@ -282,15 +290,22 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
     if (!by_limit) return 128 + end.signal;  // as a shell says it
     code = exit_code_of_time_limit;
     ended = "time limit";
-  } catch (const std::exception&) {
-    throw;
+  } catch (const std::exception& e) {
+    if (estimate.calls == 0 || w.ranks() > 1) throw;  // other ranks may wait
+    if (speaks) log.print(to_text(estimate, compose("the program then ended with: {}", e.what())));
+    return 0;
   } catch (const abi::__forced_unwind&) {  // the thread is cancelled
     throw;
   } catch (...) {
     rethrow_with_words(place);
   }
-  if (options.dry_run)
-    throw usage_error("--dry-run estimates in world.simulate(...), which this program never calls");
+  if (options.dry_run) {
+    if (estimate.calls == 0)
+      throw usage_error(
+          "--dry-run estimates in world.simulate(...), which this program never calls");
+    if (speaks) log.print(to_text(estimate, ""));
+    return 0;
+  }
   require_pictures(w, options);
   progress.finish(w.steps(), note);
   const double wall = wall_seconds() - start;
