@@ -26,11 +26,17 @@ class island_budget {
   [[nodiscard]] bool due() {
     ++steps_;
     if (wait_ > 0) --wait_;
+    if (long_wait_ > 0) --long_wait_;
     if (pause_ == 0) return true;
     --pause_;
     return false;
   }
   void pause() { pause_ = 7; }
+
+  /// Whether to look for long islands besides those that the spare work suffices for: not for some
+  /// steps after one in which those that may be long have not been, as in heaps.
+  [[nodiscard]] bool looks_for_long() const { return long_wait_ == 0; }
+  void note_long(bool found) { long_wait_ = found ? 0 : least_wait; }
 
   /// Whether to look for large islands that can be balanced, see support_balance. Each failure
   /// doubles the steps until the next attempt.
@@ -83,7 +89,7 @@ class island_budget {
 
   /// As at the beginning of a run, except for the counts.
   void begin_afresh() {
-    pause_ = 0, steps_ = 0, wait_ = 0, patience_ = least_wait, kept_ = -1;
+    pause_ = 0, steps_ = 0, wait_ = 0, long_wait_ = 0, patience_ = least_wait, kept_ = -1;
     spare_ = unknown;
     settled_ = stands_ = false, errors_ = unknown;
   }
@@ -93,6 +99,7 @@ class island_budget {
   static constexpr int least_wait = 8, most_wait = 512;
   int pause_ = 0, steps_ = 0;
   int wait_ = 0, patience_ = least_wait;  ///< steps, for large islands
+  int long_wait_ = 0;
   bool settled_ = false, stands_ = false;
   double errors_ = unknown;
   double spare_ = unknown;  ///< at first the largest amount that may be kept

@@ -97,8 +97,8 @@ void bind_changes(Class& bodies_class) {
                 [&](world_type& w) { return add_body(w, b.shape, numbers, how); });
           },
           py::arg("position"), py::arg("velocity") = none, py::arg("angular_velocity") = none,
-          // After *args, pybind11 2.10 does not convert the last argument: a whole number stays
-          // one.
+          // After *args, pybind11 2.10 does not convert the last argument: a density of 3 would be
+          // refused, 3.0 not.
           py::arg("orientation") = std::array<real, 4>{0, 0, 0, 1}, py::arg("mass") = py::none(),
           py::arg("density") = py::none(), py::arg("material") = 0,
           "Adds a body and returns its id: add(radius, position=...), of a box add(x, y, z, "

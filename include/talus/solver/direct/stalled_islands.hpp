@@ -66,6 +66,8 @@ class stalled_islands {
     sort_values(worst_first);
     double budget = s.islands.open(contacts);
     bool solved = false, searched_at = false;
+    const bool looks_for_long = s.islands.looks_for_long();
+    std::size_t looked_at = 0, long_ones = 0;
     for (const bool clusters : {false, true})  // not of islands that are solved as a whole
       for (const auto& [stall, i] : worst_first) {
         island& one = islands[i];
@@ -73,12 +75,13 @@ class stalled_islands {
             -stall <= (one.sweeps_do() ? negligible : left_to_sweeps(one)) * s.speed)
           continue;
         if (clusters && islands[one.within].done) continue;
-        if (!one.sweeps_do() && !one.overloaded && !one.may_be_long() && s.islands.spare() == 0)
-          continue;
-        searched_at |= !one.sweeps_do();
+        const bool looks = looks_for_long && one.may_be_long();
+        if (!one.sweeps_do() && !one.overloaded && !looks && s.islands.spare() == 0) continue;
+        searched_at |= !one.sweeps_do() && -stall > let_be * s.speed;
         one.done =
             one.sweeps_do() ? balance_large(one, found, s) : solve_one(one, found, s, budget);
-        solved |= one.done;
+        solved |= one.done && -stall > let_be * s.speed;
+        looked_at += looks, long_ones += one.is_long;
         if (island& all = islands[clusters ? one.within : i]; all.size == one.size)
           all.done = one.done;
       }
@@ -89,6 +92,7 @@ class stalled_islands {
       settled = settled && (one.done || one.error() <= left_when_settled(one) * s.speed);
     }
     s.islands.note_errors(errors);
+    if (looked_at > 0) s.islands.note_long(long_ones > 0);
     s.islands.close(budget);
     if (!solved && !settled && (searched_at || stalled > island::many)) s.islands.pause();
     return settled;
@@ -114,13 +118,17 @@ class stalled_islands {
   /// The fraction of solver_state::speed up to which an error needs no more sweeps, and no balance.
   static constexpr real negligible = 1e-4;
 
-  /// The same two of a single body on what cannot move. It costs little, and what is left tilts it:
-  /// on a seam between a fixed and a global body, which are in two lists.
-  static constexpr real let_one_be = 1e-6, negligible_of_one = 1e-7;
+  /// In place of either for a single body on what cannot move. Its solution costs little, and what
+  /// is left tilts it: on a seam between a fixed and a global body, whose contacts are in two
+  /// lists.
+  static constexpr real left_to_one = 1e-7;
 
-  static real left_to_sweeps(const island& one) { return one.bodies == 1 ? let_one_be : let_be; }
+  static bool is_single(const island& one) {
+    return one.bodies == 1 && !one.jointed && std::is_same_v<typename State::number, real>;
+  }
+  static real left_to_sweeps(const island& one) { return is_single(one) ? left_to_one : let_be; }
   static real left_when_settled(const island& one) {
-    return one.bodies == 1 ? negligible_of_one : negligible;
+    return is_single(one) ? left_to_one : negligible;
   }
 
   enum class outcome : char { not_stalled, failed, done };
@@ -149,8 +157,9 @@ class stalled_islands {
     if (result == outcome::not_stalled) s.islands.need_no_balance();
     return result == outcome::done;
   }
-  /// Whether many of the loaded contacts slide or part faster than that, as in a heap that moves.
-  static bool flows(const isolated_island& alone, real fast) {
+  /// Whether more than an eighth of the loaded contacts slide or part faster than `speed`, as in a
+  /// heap that moves.
+  static bool flows(const isolated_island& alone, real speed) {
     const auto at_point = [&](std::int32_t body, const vec3& arm) -> vec3 {
       if (body < 0) return {0, 0, 0};
       const solver_body& b = alone.state.bodies[static_cast<std::size_t>(body)];
@@ -161,7 +170,7 @@ class stalled_islands {
       if (c.impulse == vec3(0, 0, 0)) continue;
       ++loaded;
       const vec3 v = at_point(c.a, c.arm_a) - at_point(c.b, c.arm_b);
-      if (v.squaredNorm() > fast * fast) ++fast_ones;
+      if (v.squaredNorm() > speed * speed) ++fast_ones;
     }
     return fast_ones > loaded / 8;
   }
@@ -177,8 +186,9 @@ class stalled_islands {
     // Not if the sweeps that it replaces cost less, as in wide heaps.
     const real pays = sweep_cost * sweeps * static_cast<real>(contacts.size());
     // The joints move what was solved here, so that it stalls again.
-    const bool is_long = !one.is_cluster() && one.is_long(rows) && !flows(alone, s.speed);
-    const bool fails = (one.overloaded || is_long) && !one.jointed;
+    one.is_long =
+        !one.is_cluster() && !one.jointed && one.is_narrow(rows) && !flows(alone, s.speed);
+    const bool fails = one.is_long || (one.overloaded && !one.jointed);
     if (!fails && s.islands.spare() == 0) return false;
     if (!fails) s.islands.spend_spare(overhead * static_cast<real>(contacts.size()));
     double left = std::min<double>(fails ? budget : s.islands.spare(), pays);
@@ -200,7 +210,7 @@ class stalled_islands {
       return true;
     }
     one.rows = rows;
-    if (contacts.size() > island::small && !one.is_cluster() && !is_long) return false;
+    if (contacts.size() > island::small && !one.is_cluster() && !one.is_long) return false;
     if (left < body_newton::per_contact * static_cast<real>(contacts.size())) return false;
     contact_vector r;
     const body_problem problem(contacts, alone.state, r);

@@ -39,6 +39,7 @@ struct stalled_island {
   bool overloaded = false;  ///< sweeps fail: a cluster, or a small island with one
   bool jointed = false;     ///< contains bodies with joints
   bool elsewhere = false;   ///< solved as a part of a gathered island
+  bool is_long = false;     ///< long and narrow, and does not flow
   bool done = false;        ///< is solved
   real change = 0;          ///< largest change of velocity in the last sweep
   real least_mass = std::numeric_limits<real>::max(), most_mass = 0;
@@ -52,12 +53,16 @@ struct stalled_island {
   [[nodiscard]] real error() const { return change * error_per_change(); }
   [[nodiscard]] bool is_cluster() const { return within != none; }
   [[nodiscard]] bool sweeps_do() const { return size > many && !is_cluster(); }
-  /// Whether it is so long and narrow that sweeps fail, with so many contacts in a row. Its
-  /// solution costs less than the sweeps would.
-  [[nodiscard]] bool is_long(real in_a_row) const {
-    return static_cast<real>(bodies) <= abreast * in_a_row && in_a_row * in_a_row > too_many_sweeps;
+  /// Whether it is so long and narrow that sweeps fail, with so many contacts in a row: its
+  /// solution costs less than they.
+  [[nodiscard]] bool is_narrow(real in_a_row) const {
+    return static_cast<real>(bodies) <= abreast * in_a_row &&
+           in_a_row * in_a_row * most_mass > too_many_sweeps * least_mass;
   }
-  [[nodiscard]] bool may_be_long() const { return is_long(static_cast<real>(bodies)); }
+  /// A row begins and ends at contacts with what cannot move.
+  [[nodiscard]] bool may_be_long() const {
+    return !is_cluster() && is_narrow(static_cast<real>(bodies) + 2);
+  }
   void add(real mass) {
     least_mass = std::min(least_mass, mass), most_mass = std::max(most_mass, mass);
   }

@@ -40,9 +40,7 @@ class support_correction : support_graph {
   /// Finds displacements per time of the bodies that are slower than `fastest`; those below `least`
   /// do not matter.
   void solve(real fastest, real least) {
-    for (support& c : supports_)
-      c.open =
-          contact(c).target_velocity != 0 || !(contact(c).impulse.dot(contact(c).axes.row(0)) > 0);
+    for (support& c : supports_) c.open = !is_loaded(contact(c));
     for (std::size_t k = order_.size(); k-- > 0;)
       if (const std::int32_t body = order_[k]; v_of(s_->bodies[at(body)]).norm() < fastest)
         correct(body, least);
@@ -99,11 +97,14 @@ class support_correction : support_graph {
     }
   }
 
+  [[nodiscard]] static bool is_loaded(const island_contact& c) {
+    return c.target_velocity == 0 && c.impulse.dot(c.axes.row(0)) > 0;
+  }
   /// What is missing at a contact from its rate: a loaded one is to move as asked, the others may
   /// not come closer than that.
   [[nodiscard]] static real missing(const island_contact& c, real rate) {
-    const bool loaded = c.target_velocity == 0 && c.impulse.dot(c.axes.row(0)) > 0;
-    return loaded ? rate - c.correction_rate : std::min(real(0), rate - c.correction_rate);
+    const real more = rate - c.correction_rate;
+    return is_loaded(c) ? more : std::min(real(0), more);
   }
   /// Leaves the islands where they are whose contacts have not come closer to their rates.
   void keep_better() {
