@@ -288,6 +288,32 @@ class Worlds(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, words):
                 add()
 
+    def test_bodies_are_found_by_rays_points_and_regions(self):
+        world = mechanism.World()
+        spheres = world.bodies["sphere"]
+        ball = spheres.add(0.5, position=(50, 0, 3))
+        rays = world.cast_rays([(50, 0, 9), (50, 4, 9), (54, 0, 3)], [(0, 0, -1), (0, 0, 1), (-2, 0, 0)])
+        self.assertEqual(rays["found"].tolist(), [True, False, True])
+        self.assertEqual(rays["id"].tolist(), [ball, 0, ball])
+        self.assertTrue(np.allclose(rays["distance"], [5.5, np.inf, 3.5]))
+        self.assertTrue(np.allclose(rays["normal"], [(0, 0, 1), (0, 0, 0), (1, 0, 0)]))
+        self.assertTrue(np.allclose(rays["point"][2], (50.5, 0, 3)))
+        self.assertFalse(world.cast_rays([(50, 0, 9)], [(0, 0, -1)], length=5)["found"][0])
+        near = world.nearest_bodies([(50, 2, 3), (50, 0, 3.1)], within=2)
+        self.assertEqual(near["id"].tolist(), [ball, ball])
+        self.assertTrue(np.allclose(near["distance"], [1.5, 0]))
+        self.assertEqual(world.bodies_within((49, -1, 2), (51, 1, 4)).tolist(), [ball])
+        self.assertEqual(spheres.find_overlaps(1, position=(50, 1.4, 3)).tolist(), [ball])
+        self.assertEqual(spheres.find_overlaps(1, position=(50, 1.6, 3)).tolist(), [])
+        for ask, words in [(lambda: world.cast_rays([(0, 0, 1)], [(0, 0, 0)]), "direction"),
+                           (lambda: world.cast_rays([(0, 0, 1)], []), "rows of three numbers"),
+                           (lambda: world.cast_rays([(0, 0, 1)], [(0, 0, 1)] * 2), "1 origins and 2 directions"),
+                           (lambda: world.nearest_bodies([(0, 0)]), "rows of three numbers"),
+                           (lambda: world.nearest_bodies([(0, 0, 1)], within=-1), "distance of 0 or more"),
+                           (lambda: spheres.find_overlaps(1, 2, position=(0, 0, 1)), "is given by radius")]:
+            with self.assertRaisesRegex(ValueError, words):
+                ask()
+
     def test_gravity_is_set(self):
         world = mechanism.World()
         world.gravity = (0, 0, 0)

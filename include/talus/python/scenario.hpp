@@ -14,6 +14,7 @@
 
 #include "talus/python/changes.hpp"
 #include "talus/python/module.hpp"
+#include "talus/python/queries.hpp"
 #include "talus/python/tables.hpp"
 
 namespace talus {
@@ -138,6 +139,7 @@ void bind_bodies(pybind11::module_& module, Class& world_class) {
     return py::len(b.column("ids"));
   });
   bind_changes<Session>(bodies_class);
+  bind_overlaps<Session>(bodies_class);
   for (const auto& [name, words] : column_words) {
     bodies_class.def_property_readonly(
         name, [name = name](const bodies& b) { return b.column(name); }, words);
@@ -263,6 +265,7 @@ void scenario(pybind11::module_& module, SetUp set_up) {
   }));
   detail::bind_figures<session>(world_class);
   detail::bind_tables<session>(world_class);
+  detail::bind_queries<session>(world_class);
   detail::bind_bodies<session>(module, world_class);
   detail::bind_course<session>(world_class);
   if constexpr (requires(detail::world_state<Scenario> & s) { s.joints.size(); }) {
