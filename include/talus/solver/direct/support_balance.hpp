@@ -45,10 +45,10 @@ class support_balance : public support_graph {
     const real before = error();
     const plain_vector<body_motion> start = v_;
     for (support& c : supports_) c.open = r_(c.contact)[0] == 0 && contact(c).target_velocity < 0;
-    find_rest();
+    if (!find_rest()) return 1;
     std::size_t balanced = 0, moving = 0;
     for (const std::int32_t body : order_) {
-      if (++balanced >= few && moving > balanced / 8) return 1;
+      if (many(moving, ++balanced)) return 1;
       balance(body);
       if (!still(body, v_[at(body)])) {
         if (wholly) return 1;
@@ -89,6 +89,10 @@ class support_balance : public support_graph {
     vec3 u = i.axes * (c.sign == 1 ? v : vec3(-v));
     u[0] -= i.target_velocity, u[1] += i.drive[0], u[2] += i.drive[1];
     return u;
+  }
+  /// Whether the balance fails with so many bodies of `all` that cannot rest.
+  [[nodiscard]] static bool many(std::size_t moving, std::size_t all) {
+    return all >= few && moving > all / 8;
   }
   /// Whether many bodies are faster than that on what supports them.
   [[nodiscard]] bool flows(real fast) const {
@@ -214,10 +218,12 @@ class support_balance : public support_graph {
     }
   }
   /// The velocities at which bodies rest on those below, from the ground up: the least change for
-  /// which the supports neither part nor slip, as far as possible.
-  void find_rest() {
+  /// which the supports neither part nor slip, as far as possible. Returns false, and gives up, if
+  /// it is not possible for many.
+  [[nodiscard]] bool find_rest() {
     rest_ = v_;
     find_mean_velocities();
+    std::size_t found = 0, moving = 0;
     for (std::size_t k = order_.size(); k-- > 0;) {
       const std::int32_t body = order_[k];
       body_motion& own = rest_[at(body)];
@@ -229,19 +235,25 @@ class support_balance : public support_graph {
           with = {of_point(rest_[at(c.below)], arm_below(c) - arm(c)), rest_[at(c.below)].w};
         if (still(body, with)) {
           own = with;
+          ++found;
           continue;
         }
       }
       const real length = length_of(body);
-      for (int round = 0; round < most_rounds && !still(body, own); ++round) {
+      bool rests = still(body, own);
+      for (int round = 0; round < most_rounds && !rests; ++round) {
         if (round > 0) close(body, own);
         if (!factorize(pivot_, gram(body, length))) continue;
         body_vector change = opposed(body, length, own);
         pivot_.solve<1>(change.data());
         own.v += vec3(change[0], change[1], change[2]);
         own.w += 1 / length * vec3(change[3], change[4], change[5]);
+        rests = still(body, own);
       }
+      if (!rests) ++moving;
+      if (many(moving, ++found)) return false;
     }
+    return true;
   }
   /// Supports that the body approaches within the step, at this motion.
   void close(std::int32_t body, const body_motion& own) {
