@@ -10,7 +10,7 @@ using namespace talus::validation;
 
 TEST_CASE("a small granular gas cools by Haff's law, on 1 and 4 ranks") {
   for (const int ranks : {1, 4}) {
-    const auto gas = cool_gas(1000, 0.05, 0.8, 1, ranks, true, 0.02);
+    const auto gas = cool_gas(1000, 0.05, 0.8, 1, ranks, 0.02);
     check_error("Haff's law, small", fmt::format("T (1 + t/tau)^2 / T0 - 1, {} ranks", ranks),
                 gas.worst, 0.05);
   }

@@ -14,7 +14,7 @@ TEST_CASE("a granular gas cools by Haff's law, on 1 and 4 ranks") {
     MESSAGE("e ", restitution, ": tau ", gas.tau, ", T(2 tau) ", gas.curve.back()[1]);
     check_error("Haff's law",
                 fmt::format("T (1 + t/tau)^2 / T0 - 1, e {}, {} ranks", restitution, ranks),
-                gas.worst, 0.05);
+                gas.worst, 0.03);
   }
 }
 

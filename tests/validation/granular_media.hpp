@@ -12,7 +12,7 @@ inline constexpr real gravity = 9.81;
 // --- Haff: a gas of inelastic frictionless spheres ---------------------------------------------
 
 struct cooling {
-  real tau = 0;                            ///< of the formula, from the measured T0
+  real tau = 0;                            ///< from the measured T0
   real worst = 0;                          ///< of T (1 + t/tau)^2 / T0 - 1
   std::vector<std::array<real, 2>> curve;  ///< time over tau, temperature over T0
 };
@@ -20,10 +20,10 @@ struct cooling {
 /// n spheres of mass and diameter 1 in a box of elastic walls instead of a periodic box. The volume
 /// is that accessible to centres. Beside a wall, spheres have fewer collisions: at a distance z < 1
 /// of its centre's reach a part (1 - z) / 2 of the directions lies behind the wall, which equals a
-/// layer of a quarter diameter without collisions. With `small`, tau is longer accordingly (to
-/// first order in the density); without, it is the formula's.
+/// layer of a quarter diameter without collisions. So tau is longer than that of an unbounded gas (to
+/// first order in the density).
 inline cooling cool_gas(std::size_t n, real fraction, real restitution, real until, int ranks = 1,
-                        bool small = false, real dt = 0.01) {
+                        real dt = 0.01) {
   using gas = scenario<bodies<sphere, plane>, hard_contact<newton_restitution>,
                        decomposition<grid<dynamic, dynamic>>, transport<threads>>;
   const real side = std::cbrt(static_cast<real>(n) * pi / 6 / fraction) + 1;
@@ -59,7 +59,7 @@ inline cooling cool_gas(std::size_t n, real fraction, real restitution, real unt
     const real start = temperature();
     const real density = 6 * fraction / pi;
     const real chi = (1 - fraction / 2) / std::pow(1 - fraction, 3);
-    const real hit = small ? 1 - 6 * 0.25 / (side - 1) : 1;
+    const real hit = 1 - 6 * 0.25 / (side - 1);
     const real tau = 3 / (hit * 2 * std::sqrt(pi) * (1 - restitution * restitution) * density *
                           chi * std::sqrt(start));
     if (link.rank() == 0) result.tau = tau;

@@ -135,6 +135,26 @@ inline void arch(world_type& w, int n, real thickness, real friction) {
   add_arch(w, m, n, thickness, 0);
 }
 
+/// The arch at 1.02 and 0.98 of its least thickness (closed form).
+inline void check_arches(int ranks) {
+  for (const auto& [n, least] : {std::pair{18, 0.105964}, std::pair{20, 0.10746}})
+    for (const real part : {0.98, 1.02})
+      check_stands("arch" + on(ranks), fmt::format("{} wedges at {:.2f}", n, part), part > 1,
+                   watch(ranks, part > 1 ? 3 : 6, [&](auto& w) { arch(w, n, part * least, 0.7); }),
+                   1);
+}
+/// `count` arches of 20 wedges, side by side around y = 0 at this distance of their centres.
+inline tracks arches(int ranks, int count, real thickness, real distance) {
+  return watch(ranks, 3, [&](auto& w) {
+    need_accuracy(w);
+    const auto m = w.material({.friction = 0.7});
+    w.gravity({0, 0, -g});
+    w.global([&](auto& s) { s.add(plane{}, m); });
+    for (int k = 0; k < count; ++k)
+      add_arch(w, m, 20, thickness, distance * (k - 0.5 * (count - 1)));
+  });
+}
+
 /// Speeds of the wave through thirty dominoes of height `unit`, thickness 0.1, width 0.5, distance
 /// of the centres 0.4, mu 0.2, the first of which is pushed: over five dominoes each, after the
 /// first ten.
