@@ -20,8 +20,8 @@ struct cooling {
 /// n spheres of mass and diameter 1 in a box of elastic walls instead of a periodic box. The volume
 /// is that accessible to centres. Beside a wall, spheres have fewer collisions: at a distance z < 1
 /// of its centre's reach a part (1 - z) / 2 of the directions lies behind the wall, which equals a
-/// layer of a quarter diameter without collisions. So tau is longer than that of an unbounded gas (to
-/// first order in the density).
+/// layer of a quarter diameter without collisions. So tau is longer than that of an unbounded gas
+/// (to first order in the density).
 inline cooling cool_gas(std::size_t n, real fraction, real restitution, real until, int ranks = 1,
                         real dt = 0.01) {
   using gas = scenario<bodies<sphere, plane>, hard_contact<newton_restitution>,
