@@ -152,7 +152,7 @@ class stalled_search {
     masses_.resize(s.bodies.size());
     for (std::size_t i = 0; i < s.bodies.size(); ++i)
       masses_[i] = s.bodies[i].inverse_mass != 0 ? 1 / real(s.bodies[i].inverse_mass) : 0;
-    each_contact([&](island& one, const contact_ends& c, std::size_t n) {
+    each_contact([&](island& one, const contact_ends& c, std::size_t) {
       ++one.size;
       for (const std::int32_t end : {c.a, c.b})
         if (end >= 0 && moves(s, end)) one.add(mass_of(end));
