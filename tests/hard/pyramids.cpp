@@ -25,6 +25,35 @@ TEST_CASE("a pyramid of 30 rows stands") {
   check_rests("pyramid of 30", run<blocks>(whole, dt, 60 * 4, [](auto& w) { pyramid(w, 30); }));
 }
 
+TEST_CASE("small pyramids stand anywhere, turned, at any friction and time step") {
+  constexpr std::uint64_t seed = 5;
+  random_stream random(seed, 1);
+  CAPTURE(seed);
+  for (const int rows : {5, 10})
+    for (const real gap : {0.0, 0.01})
+      for (const real friction : {0.3, 0.5})
+        for (const real step : {1.0 / 60, 1.0 / 240})
+          for (const real far : {1.0, 100.0}) {
+            const vec3 middle = far * random.uniform(vec3(-1, -1, 0), vec3(1, 1, 0));
+            const quat turn = rotation(vec3(0, 0, 1), random.uniform() * pi);
+            const auto o = run<blocks>(whole, step, 60, [&](auto& w) {
+              floor_at(w, {}, friction);
+              for (int row = 0; row < rows; ++row)
+                for (int k = 0; k < rows - row; ++k)
+                  w.add(body{.shape = box{{1, 1, 1}},
+                             .position = middle + vec3(0, 0, row + 0.5) +
+                                         turn * vec3((1 + gap) * (k + 0.5 * row), 0, 0),
+                             .orientation = turn});
+            });
+            CAPTURE(rows);
+            CAPTURE(gap);
+            CAPTURE(friction);
+            CAPTURE(step);
+            CAPTURE(far);
+            CHECK(o.furthest() < 1e-9);
+          }
+}
+
 TEST_CASE("a pyramid of 40 rows whose boxes are out of line stands") {
   const auto o = run<blocks>(whole, dt, 60 * 4, [](auto& w) {
     floor_at(w, {}, 0.6);

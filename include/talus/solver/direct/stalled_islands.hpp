@@ -107,6 +107,9 @@ class stalled_islands {
   /// The fraction of an error that a solution may leave where Newton's method can find a better
   /// one.
   static constexpr real exact = 1e-9;
+  /// Bodies that rest on each other move relative to each other by less than this multiple of it,
+  /// which is above round-off.
+  static constexpr real at_rest = 1e-10;
   /// Bodies that can rest on each other are not faster than this multiple of solver_state::speed.
   static constexpr real fast = 10;
   /// Rows through which the sweeps of the position correction do not carry.
@@ -140,7 +143,7 @@ class stalled_islands {
     support_balance balance(alone.contacts, alone.state);
     one.rows = static_cast<real>(balance.rows());
     if (one.error() <= negligible * s.speed) return outcome::not_stalled;
-    const bool solved = balance.solve(1e-12 * s.speed, fast * s.speed, left == exact) <= left;
+    const bool solved = balance.solve(at_rest * s.speed, fast * s.speed, left == exact) <= left;
     if (balance.rows() >= tall) s.islands.note_stack(solved);
     if (!solved) return outcome::failed;
     s.islands.solved();

@@ -37,34 +37,24 @@ class support_balance : public support_graph {
   /// of the error that is left; above a half, or if they may add energy, 1: then they are not to be
   /// used. Gives up early with 1 if many of the uppermost bodies cannot rest on those below, as in
   /// a pile of spheres, and if many bodies are `fast`, as in a heap that moves. `wholly`: or if any
-  /// body cannot rest.
+  /// body cannot rest. If bodies cannot rest with the impulses that sweeps have left between bodies
+  /// side by side, as after an impact, it tries without these.
   real solve(real least, real fast, bool wholly) {
     least_ = least;
     if (flows(fast)) return 1;
     find_scale();
     const real before = error();
     const plain_vector<body_motion> start = v_;
-    for (support& c : supports_) c.open = r_(c.contact)[0] == 0 && contact(c).target_velocity < 0;
-    if (!find_rest()) return 1;
-    std::size_t balanced = 0, moving = 0;
-    for (const std::int32_t body : order_) {
-      if (many(moving, ++balanced)) return 1;
-      balance(body);
-      if (!still(body, v_[at(body)])) {
-        if (wholly) return 1;
-        ++moving;
+    for (bool again = false;; again = true) {
+      for (support& c : supports_) c.open = r_(c.contact)[0] == 0 && contact(c).target_velocity < 0;
+      if (!find_rest()) return 1;
+      if (balance_all(wholly)) {
+        const real after = error();
+        if (after <= 1e-3 * before || (after < 0.5 * before && gained(start) <= 0))
+          return after / before;
       }
-      for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k)
-        if (const support& c = supports_[k]; c.below >= 0) {
-          const vec3 change = r_(c.contact) - contact(c).axes * contact(c).impulse;
-          if (change != vec3(0, 0, 0))
-            apply(c.below, contact(c).axes.transpose() * (c.sign == 1 ? vec3(-change) : change),
-                  arm_below(c));
-        }
+      if (again || !part_neighbours(start)) return 1;
     }
-    const real after = error();
-    const bool better = after <= 1e-3 * before || (after < 0.5 * before && gained(start) <= 0);
-    return better ? after / before : 1;
   }
   [[nodiscard]] bool changes(std::size_t i) const {
     return r_(static_cast<int>(i)) != (*contacts_)[i].axes * (*contacts_)[i].impulse;
@@ -79,6 +69,44 @@ class support_balance : public support_graph {
   /// Bodies after which a balance may be given up.
   static constexpr std::size_t few = 64;
 
+  /// From the top down. Returns false if too many bodies cannot rest, `wholly`: if any cannot.
+  [[nodiscard]] bool balance_all(bool wholly) {
+    std::size_t balanced = 0, moving = 0;
+    for (const std::int32_t body : order_) {
+      if (many(moving, ++balanced)) return false;
+      balance(body);
+      if (!still(body, v_[at(body)])) {
+        if (wholly) return false;
+        ++moving;
+      }
+      for (std::size_t k = first_[at(body)]; k < first_[at(body) + 1]; ++k)
+        if (const support& c = supports_[k]; c.below >= 0) {
+          const vec3 change = r_(c.contact) - contact(c).axes * contact(c).impulse;
+          if (change != vec3(0, 0, 0))
+            apply(c.below, contact(c).axes.transpose() * (c.sign == 1 ? vec3(-change) : change),
+                  arm_below(c));
+        }
+    }
+    return true;
+  }
+  /// Begins again, without impulses of contacts that support neither body. Returns whether there
+  /// were any.
+  [[nodiscard]] bool part_neighbours(const plain_vector<body_motion>& start) {
+    v_ = start;
+    plain_vector<char> supports(contacts_->size(), 0);
+    for (const support& c : supports_) supports[at(c.contact)] = 1;
+    bool any = false;
+    for (std::size_t i = 0; i < contacts_->size(); ++i) {
+      const island_contact& c = (*contacts_)[i];
+      vec3& r = r_(static_cast<int>(i));
+      r = supports[i] ? vec3(c.axes * c.impulse) : vec3(0, 0, 0);
+      if (supports[i] || c.impulse == vec3(0, 0, 0)) continue;
+      any = true;
+      if (moves(c.a)) apply(c.a, -c.impulse, c.arm_a);
+      if (moves(c.b)) apply(c.b, c.impulse, c.arm_b);
+    }
+    return any;
+  }
   /// Velocity of a contact, where the given body moves as `own`, and the other as in `others`.
   [[nodiscard]] vec3 velocity(const support& c, const body_motion& own,
                               const plain_vector<body_motion>& others) const {
@@ -327,7 +355,7 @@ class support_balance : public support_graph {
         const vec3 now = r_(c.contact);
         const vec3 next = solve_coulomb(own, velocity(c) - own * now, contact(c).friction);
         if (!all_finite(next)) continue;
-        all = all && (next - now).norm() <= 1e-9 * next.norm();
+        all = all && inverse_mass(body) * (next - now).norm() <= 0.1 * least_;
         change(c, next - now);
       }
     }
