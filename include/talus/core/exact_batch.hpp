@@ -68,53 +68,60 @@ class exact_batch {
   static constexpr int width = 41;           ///< binary digits of a part
   static constexpr std::uint32_t most = 64;  ///< blocks whose parts of 40 digits fit into 52
 
+  [[nodiscard, gnu::always_inline]] inline number waiting(std::size_t n) const {
+    number x;
+    std::memcpy(&x, &waiting_[n * lanes], sizeof x);
+    return x;
+  }
+  [[gnu::always_inline]] inline void wait(std::size_t n, const number& x) {
+    std::memcpy(&waiting_[n * lanes], &x, sizeof x);
+  }
   [[gnu::noinline]] void add_block() {
     used_ = true;
-    number x[packs], size{};
-    std::memcpy(x, waiting_.data(), sizeof x);
-    for (const number& p : x) size += size_of_lanes(p);
+    number size{};
+    for (std::size_t n = 0; n < packs; ++n) size += size_of_lanes(waiting(n));
     bool fits = true;
     for (std::size_t l = 0; l < lanes; ++l) fits &= size[l] < limit_;
     if (!fits) [[unlikely]]
-      raise(x);
+      raise();
     bits_of_numbers left{};
     number sums[parts];
     std::memcpy(sums, part_.data(), sizeof sums);
     const number cuts[parts] = {every_lane<number>(cut_[0]), every_lane<number>(cut_[1]),
                                 every_lane<number>(cut_[2])};
-    for (number& p : x) {
+    for (std::size_t n = 0; n < packs; ++n) {
+      number p = waiting(n);
       for (std::size_t k = 0; k < parts; ++k) {
         const number part = (p + cuts[k]) - cuts[k];
         sums[k] += part;
         p -= part;
       }
       left |= reinterpret_cast<bits_of_numbers>(p);
+      wait(n, p);
     }
     std::memcpy(part_.data(), sums, sizeof sums);
     std::int64_t any = 0;
     for (std::size_t l = 0; l < lanes; ++l) any |= left[l];
     if (any << 1 != 0) [[unlikely]]  // besides signs
-      for (const number& p : x)
-        for (std::size_t l = 0; l < lanes; ++l) all_ += p[l];
+      for (std::size_t l = 0; l < block; ++l) all_ += waiting_[l];
     std::memcpy(waiting_.data(), &waiting_[block], lanes * sizeof(double));
     count_ -= block;
     if (++blocks_ == most) [[unlikely]]
       spill();
   }
   /// For a block with numbers that are larger than those before, or not finite.
-  [[gnu::noinline]] void raise(number (&x)[packs]) {
+  [[gnu::noinline]] void raise() {
     spill();
     double largest = 0;
-    for (number& p : x)
-      for (std::size_t l = 0; l < lanes; ++l) {
-        const double size = std::abs(p[l]);
-        if (size <= too_large) {
-          largest = std::max(largest, size);
-        } else {
-          sum_ += p[l];
-          p[l] = 0;
-        }
+    for (std::size_t l = 0; l < block; ++l) {
+      const double size = std::abs(waiting_[l]);
+      if (size <= too_large) {
+        largest = std::max(largest, size);
+      } else {
+        sum_ += waiting_[l];
+        waiting_[l] = 0;
       }
+    }
     if (largest < limit_) return;
     // The first part begins a few digits above the number, so that this is rare.
     const int top = std::max(std::ilogb(largest) + 9, lowest);

@@ -492,9 +492,9 @@ void close_ledger(world_state<Scenario>& s) {
 }
 
 /// Velocities of the bodies owned here, after their contacts, gravity and the user's forces have
-/// acted for the time `h`.
+/// acted for the time `h`. A drift over the time `drift` follows, or 0.
 template <forces_of Forces, class Scenario>
-void kick(world_state<Scenario>& s, real h) {
+void kick(world_state<Scenario>& s, real h, [[maybe_unused]] real drift) {
   const real kept = s.damping == 1 ? 1 : portable::pow(s.damping, h);
   [[maybe_unused]] auto sums = kick_sums_of(s);
   each_movable_store(s, [&](auto& store, std::size_t first) {
@@ -511,11 +511,6 @@ void kick(world_state<Scenario>& s, real h) {
         torque = s.soft.bodies[first + i].torque;
       }
       [[maybe_unused]] const vec3 of_contacts = force, turn_of_contacts = torque;
-      [[maybe_unused]] real booked = 0;
-      if constexpr (monitored<Scenario, energy_ledger> && Forces == forces_of::this_step) {
-        const soft_body& body = s.soft.bodies[first + i];
-        booked = force.dot(body.v) + torque.dot(body.w);
-      }
       if constexpr (store_type::forced) {
         force += store.force[i];
         torque += store.torque[i];
@@ -526,38 +521,40 @@ void kick(world_state<Scenario>& s, real h) {
       } else {
         torque *= 1 / store.shape[i].inertia()[0];
       }
-      const vec3 v = store.velocity[i] + h * (inverse_mass * force + s.gravity),
-                 w = store.angular_velocity[i] + (h * inverse_mass) * torque;
+      const vec3 dv = h * (inverse_mass * force + s.gravity), dw = (h * inverse_mass) * torque;
       if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
-        book_kick<Forces>(s, sums, store, i, h, kept, of_contacts, turn_of_contacts, booked, v, w);
-      store.velocity[i] = kept * v;
-      store.angular_velocity[i] = kept * w;
+        book_kick<Forces>(s, sums, store, i, h, drift, kept, of_contacts, turn_of_contacts, dv, dw);
+      store.velocity[i] = kept * (store.velocity[i] + dv);
+      store.angular_velocity[i] = kept * (store.angular_velocity[i] + dw);
     }
   });
   if constexpr (monitored<Scenario, energy_ledger> || monitored<Scenario, momentum_balance>)
     book_kick_of_contacts<Forces>(s, h);
 }
 
-/// Positions and orientations of the bodies owned here, after free motion for the time `h`.
+/// Positions and orientations of the bodies owned here, after free motion for the time `h`. The
+/// scheme takes what a rotation changes of the energy.
 template <class Scenario>
 void drift(world_state<Scenario>& s, real h) {
-  [[maybe_unused]] auto scheme = scheme_of_drift(s);
+  [[maybe_unused]] auto sums = kick_sums_of(s);
   each_movable_store(s, [&](auto& store, std::size_t) {
     using store_type = std::remove_reference_t<decltype(store)>;
     finite_watch watch;
     for (std::size_t i = 0; i < store.locals; ++i) {
       if (store.inverse_mass[i] == 0) continue;
       store.position[i] += h * store.velocity[i];
-      const vec3 w = store.angular_velocity[i];
-      const quat q = store.pose(i).orientation;
-      if constexpr (store_type::tensor)
+      if constexpr (store_type::tensor) {
+        const auto spin = [&] {
+          return twice_spin_energy(store, i, store.orientation_of[i], store.angular_velocity[i]);
+        };
+        if constexpr (monitored<Scenario, energy_ledger>) sums.scheme -= 0.5 * spin();
         store.angular_velocity[i] = rotate_freely(
             store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), h);
-      else if constexpr (store_type::oriented)
+        if constexpr (monitored<Scenario, energy_ledger>) sums.scheme += 0.5 * spin();
+      } else if constexpr (store_type::oriented) {
         store.orientation_of[i] =
             turned<real>(store.orientation_of[i], vec3(h * store.angular_velocity[i]));
-      if constexpr (monitored<Scenario, energy_ledger>) book_drift(s, scheme, store, i, h, w, q);
-      (void)w, (void)q;
+      }
       watch.look(store.position[i]);
       watch.look(store.angular_velocity[i]);
       if constexpr (store_type::oriented) watch.look(store.orientation_of[i]);

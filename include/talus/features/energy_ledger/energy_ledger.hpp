@@ -206,12 +206,12 @@ void each_moving_local(const held_bodies<Scenario>& s, F&& f) {
 template <class Store>
 [[nodiscard]] real twice_spin_energy(const Store& store, std::size_t i, const quat& q,
                                      const vec3& w) {
-  const vec3 inertia = store.shape[i].inertia() / store.inverse_mass[i];
+  const real mass = 1 / store.inverse_mass[i];
   if constexpr (Store::tensor) {
     const vec3 own = q.conjugate() * w;
-    return inertia.dot(own.cwiseProduct(own));
+    return mass * store.shape[i].inertia().dot(own.cwiseProduct(own));
   } else {
-    return inertia[0] * w.squaredNorm();
+    return (mass * store.shape[i].inertia()[0]) * w.squaredNorm();
   }
 }
 

@@ -70,30 +70,37 @@ template <class Scenario>
 /// ranks may own them.
 enum class forces_of { this_step, last_step };
 
-/// A change of velocity by forces over the time h: to v and w, before damping. `force` and `torque`
-/// are those of the contacts, and `booked` is the part of their power on the body that the contacts
-/// book on this rank. The rest of their work, of second order in h, is the scheme's.
+/// A change of the velocities of a body, v and w, by dv and dw before damping, by forces over the
+/// time h. `force` and `torque` are those of the contacts. The contacts of this step book their
+/// power at the velocities before it, so that the rest of their work, of second order in h, is the
+/// scheme's; so is the difference of the works of gravity here and in the free motion over the time
+/// `drift` that follows.
 template <forces_of Forces, class Scenario, class Store, class Sums>
 void book_kick(world_state<Scenario>& s, Sums& sums, const Store& store, std::size_t i, real h,
-               real kept, const vec3& force, const vec3& torque, real booked, const vec3& v,
-               const vec3& w) {
-  const real mass = 1 / store.inverse_mass[i];
+               real drift, real kept, const vec3& force, const vec3& torque, const vec3& dv,
+               const vec3& dw) {
+  const vec3 &v = store.velocity[i], &w = store.angular_velocity[i];
   if constexpr (monitored<Scenario, energy_ledger>) {
+    const real mass = 1 / store.inverse_mass[i];
     energy_record& r = s.monitors.energy;
-    const vec3 mv = 0.5 * (store.velocity[i] + v), mw = 0.5 * (store.angular_velocity[i] + w);
-    sums.scheme += h * (force.dot(mv) + torque.dot(mw) - booked) + (h * mass) * s.gravity.dot(mv);
+    real scheme = (0.5 * h) * (force.dot(dv) + torque.dot(dw)) +
+                  mass * ((h - drift * kept) * s.gravity.dot(v) +
+                          (0.5 * h - drift * kept) * s.gravity.dot(dv));
+    if constexpr (Forces == forces_of::last_step) scheme += h * (force.dot(v) + torque.dot(w));
+    sums.scheme += scheme;
     if constexpr (Store::forced)
-      r.running.work += h * (store.force[i].dot(mv) + store.torque[i].dot(mw));
+      r.running.work += h * (store.force[i].dot(v + 0.5 * dv) + store.torque[i].dot(w + 0.5 * dw));
     if (kept != 1) {
-      const real spin = twice_spin_energy(store, i, store.pose(i).orientation, w);
-      r.running.damping += 0.5 * (1 - kept * kept) * (mass * v.squaredNorm() + spin);
+      const real spin = twice_spin_energy(store, i, store.pose(i).orientation, w + dw);
+      r.running.damping += 0.5 * (1 - kept * kept) * (mass * (v + dv).squaredNorm() + spin);
     }
   }
   if constexpr (monitored<Scenario, momentum_balance>) {
+    const real mass = 1 / store.inverse_mass[i];
     momentum_record& r = s.monitors.momentum;
     r.gravity += vec3((h * mass) * s.gravity);
     if constexpr (Store::forced) r.forces += vec3(h * store.force[i]);
-    r.damping += vec3(-(1 - kept) * mass * v);
+    r.damping += vec3(-(1 - kept) * mass * (v + dv));
     if constexpr (Forces == forces_of::last_step) r.ground += vec3(h * force);
   }
 }
@@ -121,25 +128,6 @@ void book_kick_of_contacts(step_records<Scenario>& s, real h) {
   }
   if constexpr (monitored<Scenario, momentum_balance> && Forces == forces_of::this_step)
     s.monitors.momentum.ground += vec3(h * s.monitors.momentum.ground_force);
-}
-
-template <class Scenario>
-[[nodiscard]] auto scheme_of_drift(step_records<Scenario>& s) {
-  if constexpr (monitored<Scenario, energy_ledger>)
-    return exact_batch<signed_sum>(s.monitors.energy.running.scheme);
-  else
-    return (void)s, no_kick_sums{};
-}
-
-/// Free motion over the time h: `w` and `q` are angular velocity and orientation before it.
-template <class Scenario, class Store>
-void book_drift(world_state<Scenario>& s, exact_batch<signed_sum>& scheme, const Store& store,
-                std::size_t i, real h, const vec3& w, const quat& q) {
-  scheme -= (h / store.inverse_mass[i]) * s.gravity.dot(store.velocity[i]);
-  if constexpr (Store::tensor)
-    scheme +=
-        0.5 * (twice_spin_energy(store, i, store.orientation_of[i], store.angular_velocity[i]) -
-               twice_spin_energy(store, i, q, w));
 }
 
 /// At the start of a step: `energy` is that of the springs.

@@ -45,7 +45,7 @@ void step_with_forces(world_state<Scenario>& s) {
   timed(s, s.seconds.respond, [&] { measure_forces(s); });  // of all overlaps with own bodies
   run_hooks<stages::after_solve>(s);
   timed(s, s.seconds.integrate,
-        [&] { kick<forces_of::this_step>(s, s.dt), end_forces(s), drift(s, s.dt); });
+        [&] { kick<forces_of::this_step>(s, s.dt, s.dt), end_forces(s), drift(s, s.dt); });
   run_hooks<stages::after_move>(s);
   run_hooks<stages::at_close>(s);
   run_hooks<stages::before_share>(s);

@@ -25,7 +25,8 @@ inline constexpr bool acts_after_refresh =
 template <class Scenario>
 void velocity_verlet::step(detail::world_state<Scenario>& s) {
   using namespace detail;
-  timed(s, s.seconds.integrate, [&] { kick<forces_of::last_step>(s, s.dt / 2), drift(s, s.dt); });
+  timed(s, s.seconds.integrate,
+        [&] { kick<forces_of::last_step>(s, s.dt / 2, s.dt), drift(s, s.dt); });
   run_hooks<stages::after_move>(s);
   run_hooks<stages::before_share>(s);
   migrate_and_refresh(s);
@@ -37,7 +38,7 @@ void velocity_verlet::step(detail::world_state<Scenario>& s) {
   run_hooks<stages::after_detect>(s);
   timed(s, s.seconds.respond, [&] { measure_forces(s); });
   run_hooks<stages::after_solve>(s);
-  timed(s, s.seconds.integrate, [&] { kick<forces_of::this_step>(s, s.dt / 2), end_forces(s); });
+  timed(s, s.seconds.integrate, [&] { kick<forces_of::this_step>(s, s.dt / 2, 0), end_forces(s); });
   if constexpr (acts_after_refresh<Scenario>) {
     const stage_clock clock(s.seconds.exchange);
     refresh_velocities(s);
