@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "talus/contact/contact_geometry.hpp"
+#include "talus/detect/detail/triangle_contact.hpp"
 #include "talus/detect/flush.hpp"
 #include "talus/pairs/filtered_pairs.hpp"
 #include "talus/state/kinematic_bodies.hpp"
@@ -64,7 +65,7 @@ class flush_surface {
                    !goes_on(number, solid, at, p, tolerance);
         else if (how == beside::agrees && c_.round && lies_over(solid, at.to_body(c_.centre), n))
           // Both have the same contact.
-          hidden = comes_first(other, number) || !is_under(number);
+          hidden = comes_first(other, number) || !is_under(number, tolerance);
         return !hidden;
       });
       return !hidden;
@@ -175,7 +176,7 @@ class flush_surface {
     vec3 p = c_.point;
     with_body(number, [&](const auto& store, std::size_t i) {
       using type = std::remove_cvref_t<decltype(store.shape[i])>;
-      if constexpr (is_block<type> || is_hull<type>)
+      if constexpr (is_block<type> || is_hull<type>) {
         each_solid(number, p, c_.radius, [&](const auto& solid, const pose& at) {
           vec3 q = at.to_body(p);
           solid.each_face([&](const vec3& m, real offset) {
@@ -185,13 +186,24 @@ class flush_surface {
           p = at.to_world(q);
           return true;
         });
+      } else if constexpr (is_triangulated<type>) {
+        const pose at = store.pose(i);
+        const vec3 q = at.to_body(p), reach(depth_, depth_, depth_);
+        const auto& m = store.shape[i].tree();
+        real least = std::numeric_limits<real>::infinity();
+        m.each_within(q - reach, q + reach, [&](std::uint32_t t) {
+          const vec3 near =
+              nearest_on_triangle(q, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)).at;
+          if (const real square = (near - q).squaredNorm(); square < least)
+            least = square, p = at.to_world(near);
+        });
+      }
     });
     return p;
   }
   /// Whether the body is below the centre of the other one.
-  [[nodiscard]] bool is_under(std::uint32_t number) const {
+  [[nodiscard]] bool is_under(std::uint32_t number, real tolerance) const {
     bool under = false;
-    const real tolerance = flush_part * s_.flush.all[number].radius;
     each_solid(number, point_, tolerance, [&](const auto& solid, const pose& at) {
       const vec3 n = to_body(at, c_.normal);
       under = stands_beside(solid, at.to_body(point_), n, tolerance) == beside::agrees &&
@@ -265,7 +277,8 @@ class flush_surface {
     return flush_part * s_.flush.all[number].radius + depth_;
   }
   [[nodiscard]] real tolerance_of(std::uint32_t a, std::uint32_t b) const {
-    return flush_part * (s_.flush.all[a].radius + s_.flush.all[b].radius);
+    // Two planes have no radii.
+    return flush_part * std::max(s_.flush.all[a].radius + s_.flush.all[b].radius, c_.radius);
   }
   /// Whether both bodies move the contact point alike in this step. (A belt stays.)
   [[nodiscard]] bool stay_together(std::uint32_t a, std::uint32_t b) const {

@@ -100,6 +100,18 @@ inline constexpr real level_enough = 1e-6;  ///< sine of an angle that counts as
   return true;
 }
 
+/// Whether a body is beside the triangle, beyond the edge or the corner at q, judged by its centre.
+[[nodiscard]] inline bool is_beyond(const triangle_tree& m, std::uint32_t t,
+                                    const triangle_point& q, const vec3& centre) {
+  for (int k = 0; k < 3; ++k) {
+    if (q.edge >= 0 ? k != q.edge : k != q.corner && (k + 1) % 3 != q.corner) continue;
+    const std::uint32_t a = m.triangles[t][static_cast<std::size_t>(k)],
+                        b = m.triangles[t][static_cast<std::size_t>((k + 1) % 3)];
+    if (inwards(m, t, a, b).dot(centre - m.vertices[a]) < 0) return true;
+  }
+  return false;
+}
+
 /// Points of edges and corners that have made a contact, so that the next triangle with the same
 /// point does not repeat it.
 class felt_points {

@@ -132,6 +132,10 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
       const auto q = detail::place_on_triangle(m, t, at, real(1e-6) * size);
       const bool inside = q.edge < 0 && q.corner < 0;
       if (std::abs(straight) > 1 - real(1e-8)) {
+        // The side of a body that another face covers there, such as the end of a closed surface.
+        if (!inside && detail::is_beyond(m, t, q, there.position) &&
+            !detail::nearest_of_surface(m, t, q, up))
+          continue;
         const contact_geometry one{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)};
         const vec3 side = straight < 0 ? vec3(-m.normals[t]) : m.normals[t];
         const real height = side.dot(m.corner(t, 0) - there.position);
