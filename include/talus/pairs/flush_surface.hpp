@@ -10,9 +10,12 @@
 #include <type_traits>
 
 #include "talus/contact/contact_geometry.hpp"
-#include "talus/detect/detail/triangle_contact.hpp"
 #include "talus/detect/flush.hpp"
+#include "talus/detect/nearest_on_triangle.hpp"
+#include "talus/interaction/local_curvature.hpp"
 #include "talus/pairs/filtered_pairs.hpp"
+#include "talus/shape/capsule.hpp"
+#include "talus/shape/cylinder.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"
 
@@ -25,8 +28,13 @@ struct contact_with_fixed {
   real radius = 0;
   system_id id = no_id;
   bool round = false;                ///< the movable body is a sphere
+  bool curved = false;               ///< or has neither faces nor edges
   std::size_t shape = 0, index = 0;  ///< of the movable body in the scenario, and in its store
 };
+
+template <class Shape>
+inline constexpr bool is_rounded =
+    has_curvatures<Shape> || std::is_same_v<Shape, capsule> || std::is_same_v<Shape, cylinder>;
 
 /// Finds the contacts with flush bodies that are not on their common surface.
 template <class Scenario>
@@ -34,8 +42,9 @@ class flush_surface {
   using state_type = world_state<Scenario>;
   /// Bodies are taken to enter a surface of triangles by at most this part of their radius.
   static constexpr real depth_part = 0.02;
-  /// The sine of an angle between two faces that counts as zero.
-  static constexpr real level = 1e-3;
+  /// The sine of an angle between two faces that counts as zero, and between a face and the normal
+  /// of a curved body, which has a contact of its own with each face under it.
+  static constexpr real level = 1e-3, level_of_curved = 1e-6;
 
  public:
   flush_surface(state_type& s, const contact_with_fixed& c)
@@ -226,7 +235,7 @@ class flush_surface {
       const vec3 n = to_body(at, face);
       if (stands_beside(solid, p, n, tolerance) == beside::agrees) {
         // The surface is flat there. A face of the other body may be tilted by round-off.
-        free = free || face.cross(c_.normal).norm() <= level;
+        free = free || face.cross(c_.normal).norm() <= (c_.curved ? level_of_curved : level);
         return;
       }
       constexpr real infinity = std::numeric_limits<real>::infinity();
@@ -368,6 +377,7 @@ template <class Fixed, class Other, class Scenario, class StoreF, class StoreO>
                                other.shape[l].bounding_radius(),
                                other.id[l],
                                Other::isotropic,
+                               is_rounded<Other>,
                                index_of<typename Scenario::shapes, Other>,
                                l};
     return flush_surface<Scenario>(s, c).hides(static_cast<std::uint32_t>(number));

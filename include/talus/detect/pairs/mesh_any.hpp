@@ -131,11 +131,13 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
       const vec3 at = back.to_world(c.point) - real(0.5) * c.gap * up;
       const auto q = detail::place_on_triangle(m, t, at, real(1e-6) * size);
       const bool inside = q.edge < 0 && q.corner < 0;
+      // Where another face covers the side of this one, as at the end of a closed surface.
+      const auto is_covered = [&](const detail::triangle_point& p, const vec3& direction) {
+        return (p.edge >= 0 || p.corner >= 0) && detail::is_beyond(m, t, p, there.position) &&
+               !detail::nearest_of_surface(m, t, p, direction);
+      };
       if (std::abs(straight) > 1 - real(1e-8)) {
-        // The side of a body that another face covers there, such as the end of a closed surface.
-        if (!inside && detail::is_beyond(m, t, q, there.position) &&
-            !detail::nearest_of_surface(m, t, q, up))
-          continue;
+        if (is_covered(q, up)) continue;
         const contact_geometry one{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)};
         const vec3 side = straight < 0 ? vec3(-m.normals[t]) : m.normals[t];
         const real height = side.dot(m.corner(t, 0) - there.position);
@@ -147,13 +149,16 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
         // The direction does not belong to the surface. Use the lowest point of the body, if it is
         // over this triangle.
         const bool under = m.normals[t].dot(there.position - m.corner(t, 0)) < 0;
-        const vec3 above = rotated(pa.orientation, under ? vec3(-m.normals[t]) : m.normals[t]);
+        const vec3 side = under ? vec3(-m.normals[t]) : m.normals[t];
+        const vec3 above = rotated(pa.orientation, side);
         const vec3 lowest = view_b.support(-above) - view_b.rounding() * above;
         const real gap = above.dot(lowest);
         const vec3 below = back.to_world(middle + lowest);
         const auto foot =
             detail::nearest_on_triangle(below, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2));
-        if (gap <= margin && foot.edge < 0 && foot.corner < 0 && felt.add(foot.at))
+        if (gap <= margin && foot.edge < 0 && foot.corner < 0 &&
+            !is_covered(detail::place_on_triangle(m, t, foot.at, real(1e-6) * size), side) &&
+            felt.add(foot.at))
           sink(contact_geometry{-above, middle + lowest - real(0.5) * gap * above, gap,
                                 detail::feature_of(t, 0xf)});
       }
