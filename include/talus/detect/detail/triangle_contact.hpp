@@ -72,16 +72,26 @@ inline constexpr real level_enough = 1e-6;  ///< sine of an angle that counts as
   return true;
 }
 
-/// Whether a body is beside the triangle, beyond the edge or the corner at q, judged by its centre.
-[[nodiscard]] inline bool is_beyond(const triangle_tree& m, std::uint32_t t,
-                                    const triangle_point& q, const vec3& centre) {
-  for (int k = 0; k < 3; ++k) {
-    if (q.edge >= 0 ? k != q.edge : k != q.corner && (k + 1) % 3 != q.corner) continue;
-    const std::uint32_t a = m.triangles[t][static_cast<std::size_t>(k)],
-                        b = m.triangles[t][static_cast<std::size_t>((k + 1) % 3)];
-    if (inwards(m, t, a, b).dot(centre - m.vertices[a]) < 0) return true;
-  }
-  return false;
+/// Whether another triangle at the point q reaches further in the direction, between triangle t and
+/// the centre of a body, as the upper face of a closed surface does at its end.
+[[nodiscard]] inline bool is_covered(const triangle_tree& m, std::uint32_t t, const vec3& q,
+                                     const vec3& direction, const vec3& centre) {
+  const real near = real(1e-7) * m.bounding_radius;
+  const vec3 reach(near, near, near);
+  const vec3 own = (m.corner(t, 0) + m.corner(t, 1) + m.corner(t, 2)) / 3 - q, body = centre - q;
+  bool covered = false;
+  m.each_within(q - reach, q + reach, [&](std::uint32_t other) {
+    if (covered || other == t) return;
+    const vec3& n = m.normals[other];
+    const real below = n.dot(own), above = n.dot(body);
+    if (below * above >= 0 || std::abs(below) <= level_enough * own.norm()) return;
+    const vec3 &a = m.corner(other, 0), &b = m.corner(other, 1), &c = m.corner(other, 2);
+    if ((nearest_on_triangle(q, a, b, c).at - q).squaredNorm() > near * near) return;
+    for (const vec3* v : {&a, &b, &c})
+      if (const vec3 way = *v - q; direction.dot(way) > level_enough * way.norm() + near)
+        covered = true;
+  });
+  return covered;
 }
 
 /// Points of edges and corners that have made a contact, so that the next triangle with the same

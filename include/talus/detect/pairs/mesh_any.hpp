@@ -131,10 +131,9 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
       const vec3 at = back.to_world(c.point) - real(0.5) * c.gap * up;
       const auto q = detail::place_on_triangle(m, t, at, real(1e-6) * size);
       const bool inside = q.edge < 0 && q.corner < 0;
-      // Where another face covers the side of this one, as at the end of a closed surface.
       const auto is_covered = [&](const detail::triangle_point& p, const vec3& direction) {
-        return (p.edge >= 0 || p.corner >= 0) && detail::is_beyond(m, t, p, there.position) &&
-               !detail::nearest_of_surface(m, t, p, direction);
+        return (p.edge >= 0 || p.corner >= 0) && !detail::nearest_of_surface(m, t, p, direction) &&
+               detail::is_covered(m, t, p.at, direction, there.position);
       };
       if (std::abs(straight) > 1 - real(1e-8)) {
         if (is_covered(q, up)) continue;
