@@ -205,6 +205,7 @@ function talus_view() {
   function first_view() {
     const look = run.look, vector = (v) => new THREE.Vector3(...v);
     if (!look) return fit();
+    $("walls").value = look.walls;
     const from = vector(look.from), at = vector(look.at);
     if (look.follow !== undefined) {
       follow_body(BigInt(look.follow));

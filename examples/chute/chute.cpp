@@ -48,8 +48,9 @@ int main(int argc, char** argv) {
                              .material = glass,
                              .velocity = random.uniform(vec3(0, -0.1, -0.1), vec3(0.5, 0.1, 0.1))};
                });
-    take_pictures(world, options,
-                  {.from = {0.5 * L, -24, 9}, .at = {0.5 * L, 0.5 * W, 5}, .angle = 38});
+    take_pictures(
+        world, options,
+        {.from = {0.5 * L, -24, 9}, .at = {0.5 * L, 0.5 * W, 5}, .angle = 38, .walls = 1});
 
     // Velocities by height, averaged over the last third.
     constexpr std::size_t rows = 24;

@@ -63,7 +63,8 @@ int main(int argc, char** argv) {
     take_pictures(world, options,
                   {.from = {0, -2.3 * R, 2.7 * R},
                    .at = {0, -0.05 * R, 0},
-                   .colour = picture::colouring::rank});
+                   .colour = picture::colouring::rank,
+                   .walls = 1});
     world.simulate({.steps = options.steps, .dt = options.dt});
   });
 }

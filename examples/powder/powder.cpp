@@ -71,7 +71,10 @@ int main(int argc, char** argv) {
                       .velocity = random.uniform(vec3(-0.1, -0.1, -0.1), vec3(0.1, 0.1, 0))};
         });
     take_pictures(world, options,
-                  {.from = {0.8 * L, -2.6 * L, 0.9 * L}, .at = {0.8 * L, 0.5 * W, 0}, .angle = 45});
+                  {.from = {0.8 * L, -2.6 * L, 0.9 * L},
+                   .at = {0.8 * L, 0.5 * W, 0},
+                   .angle = 45,
+                   .walls = 1});
 
     world.simulate({.steps = options.steps, .dt = options.dt});
 

@@ -71,9 +71,12 @@ int main(int argc, char** argv) {
       const pose at = placed(all);
       scope.add(all, granite, at.position, at.orientation);
     });
-    take_pictures(
-        world, options,
-        {.from = {-25, -70, 70}, .at = {0, 6, 5}, .angle = 46, .colour = picture::colouring::rank});
+    take_pictures(world, options,
+                  {.from = {-25, -70, 70},
+                   .at = {0, 6, 5},
+                   .angle = 46,
+                   .colour = picture::colouring::rank,
+                   .walls = 1});
 
     const double space = 0.65 * w / options.columns, radius = 0.4 * space;
     const auto every = static_cast<std::uint64_t>(std::ceil(2.2 * radius / options.dt));

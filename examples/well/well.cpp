@@ -60,9 +60,12 @@ int main(int argc, char** argv) {
                   .velocity = random.uniform(vec3(-1, -1, -0.2), vec3(1, 1, 0.2)),
                   .angular_velocity = random.uniform(vec3(-0.1, -0.1, -0.1), vec3(0.1, 0.1, 0.1))};
     });
-    take_pictures(
-        world, options,
-        {.from = {0, -75, 95}, .at = {0, 0, -4}, .angle = 44, .colour = picture::colouring::rank});
+    take_pictures(world, options,
+                  {.from = {0, -75, 95},
+                   .at = {0, 0, -4},
+                   .angle = 44,
+                   .colour = picture::colouring::rank,
+                   .walls = 1});
     world.simulate({.steps = options.steps, .dt = options.dt});
   });
 }

@@ -1,4 +1,4 @@
-// What pictures show of materials, walls of triangles and a body that the camera follows.
+// What pictures show of materials, walls and a body that the camera follows.
 #include <doctest/doctest.h>
 
 #include <cstdlib>
@@ -17,31 +17,67 @@ using scene =
 
 namespace {
 
-/// A grey and a nameless sphere on two ranks in a tube; `body_of` is the number of the first one.
-std::string draw(picture look, bool coloured, bool follows = false) {
+/// The text of the file that `write` makes.
+template <class Write>
+std::string written(const Write& write) {
   const auto file = std::filesystem::temp_directory_path() /
                     ("talus_look_" + std::to_string(std::rand()) + ".pov");
-  threads::launch({.ranks = 2}, [&](threads::link& link) {
-    world<scene> w(link, {.lower = {-9, -9}, .upper = {9, 9}});
-    const auto stone =
-        w.material(coloured ? material{.name = "stone", .colour = {0.25, 0.5, 0.75}} : material{});
-    const auto other = w.material({});
-    w.global([&](auto& s) { s.add(tube_surface({.radius = 4, .height = 3}), other, {0, 0, 1.5}); });
-    const auto first =
-        w.add_if_local(body{.shape = sphere{0.5}, .position = {3, 1, 2}, .material = stone});
-    w.add_if_local(body{.shape = sphere{0.5}, .position = {-3, 0, 2}, .material = other});
-    picture mine = look;
-    if (follows && first) mine.follow = first->id;  // one rank alone knows it
-    w.synchronize();
-    write_povray(w, file.string(), mine);
-  });
+  write(file.string());
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   std::filesystem::remove(file);
   return text.str();
 }
 
+/// A grey and a nameless sphere on two ranks in a tube.
+std::string draw(const picture& look, bool coloured, bool follows = false) {
+  return written([&](const std::string& file) {
+    threads::launch({.ranks = 2}, [&](threads::link& link) {
+      world<scene> w(link, {.lower = {-9, -9}, .upper = {9, 9}});
+      const auto stone = w.material(
+          coloured ? material{.name = "stone", .colour = {0.25, 0.5, 0.75}} : material{});
+      const auto other = w.material({});
+      w.global([&](auto& s) {
+        s.add(tube_surface({.radius = 4, .height = 3}), other, {0, 0, 1.5});
+      });
+      const auto first =
+          w.add_if_local(body{.shape = sphere{0.5}, .position = {3, 1, 2}, .material = stone});
+      w.add_if_local(body{.shape = sphere{0.5}, .position = {-3, 0, 2}, .material = other});
+      picture mine = look;
+      if (follows && first) mine.follow = first->id;  // one rank alone knows it
+      w.synchronize();
+      write_povray(w, file, mine);
+    });
+  });
+}
+
 bool has(const std::string& text, const std::string& part) { return text.find(part) != text.npos; }
+int count(const std::string& text, const std::string& part) {
+  int n = 0;
+  for (auto at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+/// A sphere on a floor, between a global box and a fixed one on each rank.
+std::string draw_barrel(const picture& look) {
+  using barrel = scenario<bodies<sphere, box, plane>, transport<threads>, decomposition<grid<2>>>;
+  return written([&](const std::string& file) {
+    threads::launch({.ranks = 2}, [&](threads::link& link) {
+      world<barrel> w(link, {.lower = {-9}, .upper = {9}});
+      const auto stone = w.material({});
+      w.global([&](auto& s) {
+        s.add(plane{}, stone);
+        s.add(box{{6, 1, 1}}, stone, {0, 2, 0.5});
+      });
+      for (const real x : {-3, 3})
+        w.add_if_local(body{
+            .shape = box{{1, 6, 1}}, .position = {x, 0, 0.5}, .material = stone, .fixed = true});
+      w.add_if_local(body{.shape = sphere{0.5}, .position = {1, 0, 0.5}, .material = stone});
+      w.synchronize();
+      write_povray(w, file, look);
+    });
+  });
+}
 
 }  // namespace
 
@@ -55,10 +91,18 @@ TEST_CASE("bodies have the colours of their materials, if a material has a name 
   CHECK(draw({.colour = picture::colouring::material}, false) != plain);
 }
 
-TEST_CASE("bodies are seen through walls of triangles") {
+TEST_CASE("bodies are seen through walls: fixed and global bodies, but not planes") {
   CHECK(has(draw({}, false), ",0.65>}}"));
-  CHECK_FALSE(has(draw({.surfaces = 1}, false), ",0.65>}}"));
-  CHECK_FALSE(has(draw({.surfaces = 0}, false), "mesh{"));
+  CHECK_FALSE(has(draw({.walls = 1}, false), ",0.65>}}"));
+  CHECK_FALSE(has(draw({.walls = 0}, false), "mesh{"));
+  // A global box and a fixed one of either rank, each with two faces on a ray; plane and sphere.
+  const std::string barrel = draw_barrel({.walls = 0.36});
+  CHECK(count(barrel, "box{") == 3);
+  CHECK(count(barrel, ",0.8>}}") == 3);
+  CHECK(count(barrel, ",0>}}") == 2);
+  CHECK(count(draw_barrel({.walls = 1}), ",0>}}") == 5);
+  CHECK(count(draw_barrel({.walls = 0}), "box{") == 0);
+  CHECK(has(barrel, "max_trace_level"));  // a ray meets many faces
 }
 
 TEST_CASE("a camera that follows a body is beside it, whichever rank owns it") {

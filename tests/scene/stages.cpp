@@ -215,4 +215,7 @@ TEST_CASE("what looks at the bodies of the set-up in a restart is refused, with 
                 {})
                 .said,
             "add_if_local or fill"));
+  // A restart would take up the first call of simulate() at another step.
+  CHECK(has(two_stages([](auto& w, auto&) { w.once("x", [&] { w.step(1e-4); }); }, {}).said,
+            "world.once for 'x' makes steps"));
 }

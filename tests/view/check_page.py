@@ -206,6 +206,7 @@ def look(browser, program, folder):
     opened(browser, file)
     check(browser.run("talus.state.mode") == "material", "materials are told apart from the beginning")
     names = browser.run("[...document.querySelectorAll('#names li')].map((x) => [x.textContent, x.querySelector('i').style.background])")
+    check(browser.run("+document.getElementById('walls').value") == 0.35, "walls are as in pictures")
     check(["grass", "rgb(26, 204, 26)"] in names and ["sky <blue>", "rgb(26, 51, 230)"] in names, f"names {names}")
 
     def camera():

@@ -77,9 +77,9 @@ struct inflow_fields {
   static constexpr auto says = inflow;
   template <sentence S> using refused = no_inflow<S>;
 };
-inline constexpr sentence picture = "take_pictures(world, options, {...}) takes the fields from, at, up, angle, colour, fastest, surfaces, copies, domains, ground, joints, force and follow, in this order";
+inline constexpr sentence picture = "take_pictures(world, options, {...}) takes the fields from, at, up, angle, colour, fastest, walls, copies, domains, ground, joints, force and follow, in this order";
 template <sentence S> struct no_picture {
-  static_assert(unrefused<S>, "take_pictures(world, options, {...}) takes the fields from, at, up, angle, colour, fastest, surfaces, copies, domains, ground, joints, force and follow, in this order");
+  static_assert(unrefused<S>, "take_pictures(world, options, {...}) takes the fields from, at, up, angle, colour, fastest, walls, copies, domains, ground, joints, force and follow, in this order");
 };
 struct picture_fields {
   static constexpr auto says = picture;

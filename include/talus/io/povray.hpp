@@ -2,6 +2,7 @@
 // Pictures: a world as a scene file for the ray tracer POV-Ray.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <exception>
@@ -87,9 +88,10 @@ class povray_scene {
       if (!b.is_visible()) return;
       if (b.is_global()) {
         constexpr bool finite = std::remove_cvref_t<decltype(b)>::shape_type::finite;
-        if (first && (finite || shows(b.shape()))) add(b, of_wall(b, finite), 1 - opacity(b));
+        if (first && (finite || shows(b.shape())))
+          add(b, of_wall(b, finite), finite ? of_walls<decltype(b)>() : 0);
       } else if (!b.is_remote()) {
-        add(b, colour(b, own), b.is_fixed() ? 1 - opacity(b) : 0);
+        add(b, colour(b, own), b.is_fixed() ? of_walls<decltype(b)>() : 0);
       } else if (look_.copies) {
         add(b, own, 0.7);
       }
@@ -105,6 +107,7 @@ class povray_scene {
     const vec3 view = look_.at - look_.from, side = view.cross(look_.up);
     const vec3 over = look_.up.normalized() * view.norm();
     out << picture_mark
+        << "global_settings{max_trace_level 64}\n"  // faces of transparent walls on a ray
         << "background{srgb<1,1,1>}\n"
         // Seen from a right-handed world: right is minus POV-Ray's.
         << "camera{location " << look_.from << " sky " << look_.up
@@ -161,13 +164,16 @@ class povray_scene {
     if (by_material() && has_colour(b)) return view_of(world_).materials[b.material()].colour;
     return finite ? vec3(0.66, 0.61, 0.54) : vec3(0.93, 0.92, 0.9);
   }
-  /// Of a wall: bodies are behind those of triangles.
+  /// What a face of a wall transmits, so that bodies are seen through it: a ray meets two faces of
+  /// a solid, and one of a surface of triangles.
   template <class Body>
-  [[nodiscard]] real opacity(const Body& b) const {
-    if constexpr (requires { b.shape().tree().triangles; })
-      return std::clamp(look_.surfaces, real{0}, real{1});
+  [[nodiscard]] real of_walls() const {
+    const real all = 1 - std::clamp(look_.walls, real{0}, real{1});
+    using shape = typename std::remove_cvref_t<Body>::shape_type;
+    if constexpr (requires(const shape& s) { s.tree().triangles; })
+      return all;
     else
-      return 1;
+      return std::sqrt(all);
   }
   template <class Body>
   void add(const Body& b, const vec3& colour, real transmit) {
@@ -236,8 +242,8 @@ class povray_scene {
 }  // namespace detail
 
 /// Collective: writes the present state to one scene file. Owners draw their bodies; global bodies
-/// without a colour of their material are grey. Throws runtime_error if the file cannot be written, or if an existing file is not a
-/// picture.
+/// without a colour of their material are grey. Throws runtime_error if the file cannot be written,
+/// or if an existing file is not a picture.
 template <class Scenario>
 void write_povray(world<Scenario>& w, const std::string& file, const picture& look) {
   w.require_all_ranks("write_povray");

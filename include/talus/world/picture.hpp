@@ -18,7 +18,7 @@ struct picture {
   /// of bodies: by their material, their rank, or their speed
   colouring colour = colouring::automatic;
   real fastest = 0;      ///< the speed that is red; 0: that of the fastest body
-  real surfaces = 0.35;  ///< opacity of walls made of triangles; 1: solid
+  real walls = 0.35;     ///< opacity of fixed and global bodies but planes; 1: solid, 0: hidden
   bool copies = false;   ///< show shadow copies, as thin shells, in the colour of their holder
   bool domains = false;  ///< show the domain of each rank, as glass
   bool ground = true;    ///< show planes, those that face the camera

@@ -153,6 +153,7 @@ TALUS_INLINE std::string view_look(const picture& look) {
   out.add_raw("at", view_json::vector(look.at));
   out.add_raw("up", view_json::vector(look.up));
   out.add("angle", look.angle);
+  out.add("walls", look.walls);
   if (look.colour != picture::colouring::automatic)
     out.add_text("colour", names[static_cast<std::size_t>(look.colour)]);
   if (look.fastest > 0) out.add("fastest", look.fastest);

@@ -1556,6 +1556,7 @@ function talus_view() {
   function first_view() {
     const look = run.look, vector = (v) => new THREE.Vector3(...v);
     if (!look) return fit();
+    $("walls").value = look.walls;
     const from = vector(look.from), at = vector(look.at);
     if (look.follow !== undefined) {
       follow_body(BigInt(look.follow));
@@ -1595,9 +1596,9 @@ function talus_view() {
     redraw();
   };
   function choose_colour(name) {
-    state.mode = name, ($("colour").value = name);
-    show_legend(), again("rec)page",
-    R"page(olour")();
+    state.mode = name, ($("colour").value = n)page",
+    R"page(ame);
+    show_legend(), again("recolour")();
   }
   function pick(x, y) {
     const c = $("canvas"), at = new THREE.Vector3((2 * x) / c.clientWidth - 1, 1 - (2 * y) / c.clientHeight, 0.5);

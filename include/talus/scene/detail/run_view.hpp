@@ -36,6 +36,7 @@ class run_view {
         every_(o.view_every),
         by_itself_(o.view_every == 0),
         colour_(o.colour),
+        restart_(o.restart),
         frames_(o.view_contacts) {
     if (w.rank() == 0) page_ = std::make_unique<view_page>(o.view, o.force);
   }
@@ -124,16 +125,25 @@ class run_view {
     if (!own.empty()) about.add_text("shapes", own);
     if (!colour_.empty()) about.add_text("colour", colour_);
     if (w_.look()) about.add_raw("look", view_look(*w_.look()));
+    if (!restart_.empty() && !begun_)
+      about.add_raw("notes", "[" +
+                                 quoted(compose("The page begins at step {}, where the run was "
+                                                "restarted from {}.",
+                                                w_.steps(), restart_)) +
+                                 "]");
     return about.str();
   }
   /// What the page plots. The record of residuals stays as it is: a run with a page has the same
   /// results as one without.
   [[nodiscard]] view_json measure() {
     view_json values;
+    // Contacts are found in a step: after a restart they are unknown until the first one.
+    const bool known = begun_ || restart_.empty();
     for (const measured& m : measure_run(w_))
-      if (m.name != "step" && m.name != "time") values.add(m.name, m.value);
+      if (m.name != "step" && m.name != "time" && (known || m.name != "contacts"))
+        values.add(m.name, m.value);
     if constexpr (!Scenario::contact_law::soft && !Scenario::template has_feature<residual_monitor>)
-      if (w_.steps() > 0) {
+      if (w_.steps() > 0 && known) {
         auto& kept = state_of(w_).convergence;
         const auto before = kept;
         const contact_residual r = measure_residual(w_);
@@ -149,6 +159,7 @@ class run_view {
   std::uint64_t every_;
   bool by_itself_;                          ///< the interval follows the length of the run
   std::string colour_;                      ///< of bodies at the beginning; empty: as usual
+  std::string restart_;                     ///< the checkpoint with which the run began, or empty
   plain_vector<std::uint64_t> steps_;       ///< of the frames
   std::uint64_t last_ = ~std::uint64_t{0};  ///< step of the last frame
   std::uint64_t planned_end_ = 0;           ///< of the present call of simulate()

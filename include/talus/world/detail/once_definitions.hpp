@@ -37,6 +37,7 @@ auto world<Scenario>::once(const std::string& name, F&& f) {
       }
     } else {
       const auto added = added_here_;
+      const auto before = state_.steps;
       const auto note = [&](detail::byte_buffer bytes) {
         if (added_here_ != added)
           detail::fail<std::logic_error>(
@@ -44,6 +45,11 @@ auto world<Scenario>::once(const std::string& name, F&& f) {
               "on "
               "the ranks: use add_if_local or fill, or add it outside",
               name, rank());
+        if (state_.steps != before)
+          detail::fail<std::logic_error>(
+              "the function of world.once for '{}' makes steps, which a restart would leave out: "
+              "call simulate outside of it",
+              name);
         keeper_.once.push_back({name, std::move(bytes), fills_, attempts_, true});
       };
       if constexpr (nothing) {
