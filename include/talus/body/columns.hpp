@@ -27,9 +27,12 @@ struct drift_while_slow {
   real since =
       0;  ///< the part of that time that has passed; -1 from falling asleep to the next step
   vec3 turn{0, 0, 0};
-  real early = 0, farthest = 0;  ///< largest distance in the first half of that time, and so far
-  real last = 0;                 ///< the largest distance in the third before
-  vec3 load{0, 0, 0};            ///< the force of fields: awake in this step, asleep in its first
+  real early = 0, farthest = 0;   ///< largest distance in the first half of that time, and so far
+  real last = 0;                  ///< the largest distance in the third before
+  vec3 load{0, 0, 0};             ///< the force of fields: awake in this step, asleep in its first
+  vec3 v{0, 0, 0}, w{0, 0, 0};    ///< at the start of the third
+  vec3 dv{0, 0, 0}, dw{0, 0, 0};  ///< changes of the velocities in the third before
+  real steady = 0;                ///< thirds in a row in which they changed alike
 };
 
 namespace columns {
