@@ -58,6 +58,7 @@ TEST_CASE("a body that begins to slide or to roll at 1e-5 of gravity stays awake
 TEST_CASE("an inverted pendulum stays awake") {
   CHECK_FALSE(ever_sleeps([](auto& w) {
     w.gravity({0, 0, -9.81});
+    w.material({});
     handle<sphere> foot;
     w.global([&](auto& s) { foot = s.add(sphere{0.1}, {}, {0, 0, 0}); });
     const auto bob = w.add(body{.shape = sphere{0.2}, .position = {1e-5, 0, 1}});
