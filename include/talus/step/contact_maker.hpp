@@ -317,7 +317,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       motion_.add_flight(u, i, j);
     }
     if (motion_.parts_before_touching(i, j, x.radius, x.slack, g, u)) return;
-    const bool passing = g.gap > x.slack && passes(x, g.normal, g.gap, g.normal.dot(u));
+    const bool passing = g.gap > x.slack && passes(x, g.normal, g.gap);
     if constexpr (monitored<Scenario, penetration_monitor>)
       if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
     contact_type c;
@@ -362,9 +362,9 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     add_to_list(x, c, key);
   }
   /// Whether the surfaces of a contact with a gap above the slack pass each other in this step.
-  [[nodiscard]] bool passes(pair_at_hand& x, const vec3& normal, real gap, real un) const {
+  [[nodiscard]] bool passes(pair_at_hand& x, const vec3& normal, real gap) const {
     const vec3 &at_a = position_a(x), &at_b = position_b(x);
-    if (!motion_.may_pass(x.i, x.j, at_a, at_b, x.slack, normal, gap, un)) return false;
+    if (!motion_.may_pass(x.i, x.j, at_a, at_b, x.slack, normal, gap)) return false;
     if (x.paths == path::unknown)
       x.paths = motion_.meet_on_paths(x.i, x.j, at_a, at_b, x.slack) ? path::meet : path::pass;
     return x.paths == path::pass;
@@ -412,7 +412,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     const pair_material& between = materials_of(x);
     const real pull = waiting_.pull[k];
     const bool rebounds = between.restitution > 0 && of.approach[k] < -2 * pull * s_.dt;
-    const bool passing = (of.apart >> k & 1u) && passes(x, normal, gap, of.approach[k]);
+    const bool passing = (of.apart >> k & 1u) && passes(x, normal, gap);
     if (rebounds || passing || between.dynamic_friction < between.friction) [[unlikely]] {
       auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
           between, normal, lane(of.velocity, k), gap, s_.dt, pull,

@@ -148,8 +148,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     const auto [i, j] = lanes_[k];
     const vec3 &at_a = a_.position[i], &at_b = a_.position[j];
     const real slack = slack_of<real>(contact_slack, a_.shape[i].radius, a_.shape[j].radius);
-    return motion_.may_pass(i, j, at_a, at_b, slack, lane(batch_.normal, k), batch_.gap[k],
-                            batch_.approach[k]) &&
+    return motion_.may_pass(i, j, at_a, at_b, slack, lane(batch_.normal, k), batch_.gap[k]) &&
            !motion_.meet_on_paths(i, j, at_a, at_b, slack);
   }
   /// The places of bodies, of which the last one fills the empty lanes.

@@ -45,10 +45,11 @@ class pair_motion {
     return g.gap + closing > slack;
   }
   /// Whether bodies with such a normal and gap, now at these places, move so far along the surfaces
-  /// in this step that they may pass each other though their gap closes at the velocity `un`. They
-  /// may not if something that blocks their way would leave the centre of one in the other.
+  /// in this step that they may pass each other though their gap closes. They may not if something
+  /// that blocks their way would leave the centre of one in the other, to which turning does not
+  /// bring it.
   [[nodiscard]] bool may_pass(std::size_t i, std::size_t j, const vec3& at_a, const vec3& at_b,
-                              real slack, const vec3& normal, real gap, real un) const {
+                              real slack, const vec3& normal, real gap) const {
     if constexpr (!ShapeB::finite || state_type::continuous) {
       return false;
     } else {
@@ -56,7 +57,7 @@ class pair_motion {
       const real turning = way_of_turning(a_, i, s_.dt) + way_of_turning(b_, j, s_.dt);
       if ((way - normal.dot(way) * normal).norm() + turning <= slack) return false;
       const real least = std::min(inner_radius(a_.shape[i]), inner_radius(b_.shape[j]));
-      return gap + (un - gravity_ * s_.dt) * s_.dt >= -least;
+      return gap + normal.dot(way) - gravity_ * s_.dt * s_.dt >= -least;
     }
   }
   /// Whether they come within the slack on their paths in this step, as the integrator moves them
