@@ -30,9 +30,10 @@ class rest_judge {
       if (m.since <= time_ / 2) m.early = m.farthest;
       return true;
     }
-    const bool rests = !gains_speed(m, radius, v, w) &&
-                       (m.farthest <= negligible * radius ||
-                        (m.farthest <= most * radius && m.farthest <= real(1.5) * m.early));
+    const bool starts = gains_speed(m, radius, v, w) && m.farthest > round_off * radius;
+    const bool rests =
+        !starts && (m.farthest <= negligible * radius ||
+                    (m.farthest <= most * radius && m.farthest <= real(1.5) * m.early));
     begin_anew(m, m.farthest);
     return rests;
   }
