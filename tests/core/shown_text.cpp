@@ -24,6 +24,7 @@ TEST_CASE("a text in quotes ends where it ends") {
 
 TEST_CASE("a text controls no terminal") {
   CHECK(printable("a\tb\n\x1b[2J\r\x07\x7f") == "a\tb\n\\x1b[2J\\x0d\\x07\\x7f");
+  CHECK(printable("a\xe2\x80\xaetxt\xe2\x81\xa6") == "a\\u202etxt\\u2066");
   CHECK(printable("\xc2\x9b\x33m \xc2\xa0\xc3\xa9\xc2") == "\\x9b3m \xc2\xa0\xc3\xa9\\xc2");
   CHECK(printable("\x9b\x33m\x80 \xff\xe2\x82\xac") == "\\x9b3m\\x80 \\xff\xe2\x82\xac");
 }

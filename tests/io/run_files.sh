@@ -103,13 +103,14 @@ names() {
   printf 'restart = ""\n' >empty.toml
   expect 2 'empty.toml:1: restart needs a value, but is empty' -- "$program" --quiet --steps 9 --config empty.toml
   expect 2 '--json needs a text in UTF-8' -- "$program" --quiet --steps 5 --json $'a\xff'
+  expect 2 '--json needs a text of one line' -- "$program" --quiet --steps 5 --json $'a\nb'
   # The configuration beside an output says what is not given, and makes the run again.
-  expect 0 -- "$program" --quiet --steps 5 --json $'a "b"\\\n<\t.json'
+  expect 0 -- "$program" --quiet --steps 5 --json $'a "b"\\<\t.json'
   grep -qx '# restart: not given' ./a*.config.toml || fail "the configuration names an empty restart"
   cp ./a*.config.toml again.toml
   rm ./a*.json
   expect 0 -- "$program" --config again.toml
-  [[ -e $'a "b"\\\n<\t.json' ]] || fail "the configuration has another name"
+  [[ -e $'a "b"\\<\t.json' ]] || fail "the configuration has another name"
   # Names control no terminal.
   local esc=$'\e]0;owned\a\r\xc2\x9b31m.h5'
   expect 1 '\x1b]0;owned\x07\x0d\x9b31m.h5 cannot be read' -- "$program" --quiet --restart "$esc"
@@ -234,7 +235,7 @@ shared() {
 
 # The index of a series is JSON whatever its name, and of this run alone.
 index() {
-  local odd=$'a "b"\\\n<\t'
+  local odd=$'a "b"\\<\t'
   expect 0 -- "$program" --quiet --steps 200 --output "$odd" --output-every 100
   python3 - "$odd" <<'END'
 import json, os, sys

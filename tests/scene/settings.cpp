@@ -199,6 +199,7 @@ TEST_CASE("an empty value is a mistake where it would mean nothing, and so is wh
   CHECK(refusal_of("steps = 3\nrestart = ''\n") == "box.toml:2: restart" + end);
   CHECK(read({"--decomposition", ""}).shares.empty());  // "grid" is what is not given
   CHECK(refusal({"--json", "a\xff"}).find("--json needs a text in UTF-8") == 0);
+  CHECK(refusal({"--json", "a\nb"}) == "--json needs a text of one line, but is \"a\\u000ab\"");
 }
 
 TEST_CASE("a key of very many parts is refused before it is read") {

@@ -62,6 +62,15 @@ TALUS_INLINE std::string quoted(std::string_view text) {
   return out += '"';
 }
 
+/// Whether a character changes the direction of the text behind it.
+[[nodiscard]] inline bool turns_text(std::string_view character) {
+  if (character.size() != 3 || character[0] != '\xe2') return false;
+  const auto second = static_cast<unsigned char>(character[1]),
+             third = static_cast<unsigned char>(character[2]);
+  return second == 0x80 ? third == 0x8e || third == 0x8f || (third >= 0xaa && third <= 0xae)
+                        : second == 0x81 && third >= 0xa6 && third <= 0xa9;
+}
+
 TALUS_INLINE std::string printable(std::string_view text) {
   std::string out;
   while (!text.empty()) {
@@ -70,6 +79,8 @@ TALUS_INLINE std::string printable(std::string_view text) {
     // In UTF-8 the control characters beyond ASCII are two bytes.
     if (bytes == 2 && c == '\xc2' && (text[1] & 0xe0) == 0x80)
       out += escaped("\\x", text[1]);
+    else if (turns_text(text.substr(0, bytes)))
+      out += escaped("\\u20", static_cast<char>((text[1] & 1) << 6 | (text[2] & 0x3f)));
     else if (bytes == 0 || c == 0x7f ||
              (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t'))
       out += escaped("\\x", c);
