@@ -175,7 +175,7 @@ TALUS_INLINE std::string command_line::read(option& o, std::string_view value,
     if (!detail::is_utf8(value))
       return detail::compose("{} needs a text in UTF-8, but is '{}'", name, std::string(value));
     // A line break in a name would make lines of its own in what the program prints.
-    if (std::any_of(value.begin(), value.end(), [](char c) { return c == '\n' || c == '\r'; }))
+    if (value.find('\n') != std::string_view::npos)
       return detail::compose("{} needs a text of one line, but is {}", name, detail::quoted(value));
     *static_cast<std::string*>(o.target) = value;
     return {};
