@@ -186,8 +186,8 @@ class stalled_islands {
     if (one.error() <= left_to_sweeps(one) * s.speed) return false;
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     const real sweeps = rows * rows * one.most_mass / one.least_mass;
-    // Not if the sweeps that it replaces cost less, as in wide heaps. For a slender body that stands
-    // on its own they are many more.
+    // Not if the sweeps that it replaces cost less, as in wide heaps. For a slender body that
+    // stands on its own they are many more.
     const real pays = is_single(one) ? std::numeric_limits<real>::infinity()
                                      : sweep_cost * sweeps * static_cast<real>(contacts.size());
     // The joints move what was solved here, so that it stalls again.
