@@ -29,22 +29,49 @@ namespace talus::detail {
 
 inline constexpr real level_enough = 1e-6;  ///< sine of an angle that counts as zero
 
+/// Whether a triangle contains the point q, within `near`, and reaches further in the direction.
+[[nodiscard]] inline bool reaches_further(const triangle_tree& m, std::uint32_t t, const vec3& q,
+                                          const vec3& direction, real near) {
+  const vec3 &a = m.corner(t, 0), &b = m.corner(t, 1), &c = m.corner(t, 2);
+  if ((nearest_on_triangle(q, a, b, c).at - q).squaredNorm() > near * near) return false;
+  for (const vec3* v : {&a, &b, &c})
+    if (const vec3 way = *v - q; direction.dot(way) > level_enough * way.norm() + near) return true;
+  return false;
+}
+/// Calls f(triangle, near) for the triangles other than t that may contain the point q within
+/// `near`.
+template <class F>
+void each_other_at(const triangle_tree& m, std::uint32_t t, const vec3& q, F&& f) {
+  const real near = real(1e-7) * m.bounding_radius;
+  const vec3 reach(near, near, near);
+  m.each_within(q - reach, q + reach, [&](std::uint32_t other) {
+    if (other != t) f(other, near);
+  });
+}
+
 /// Whether no triangle at the point q reaches further in the direction, other than t: for edges and
 /// corners where triangles meet that do not share them.
 [[nodiscard]] inline bool nearest_of_triangles(const triangle_tree& m, std::uint32_t t,
                                                const vec3& q, const vec3& direction) {
-  const real near = real(1e-7) * m.bounding_radius;
-  const vec3 reach(near, near, near);
   bool nearest = true;
-  m.each_within(q - reach, q + reach, [&](std::uint32_t other) {
-    if (!nearest || other == t) return;
-    const vec3 &a = m.corner(other, 0), &b = m.corner(other, 1), &c = m.corner(other, 2);
-    if ((nearest_on_triangle(q, a, b, c).at - q).squaredNorm() > near * near) return;
-    for (const vec3* v : {&a, &b, &c})
-      if (const vec3 way = *v - q; direction.dot(way) > level_enough * way.norm() + near)
-        nearest = false;
+  each_other_at(m, t, q, [&](std::uint32_t other, real near) {
+    nearest = nearest && !reaches_further(m, other, q, direction, near);
   });
   return nearest;
+}
+
+/// Whether another triangle at the point q reaches further in the direction, between triangle t and
+/// the centre of a body, as the upper face of a closed surface does at its end.
+[[nodiscard]] inline bool is_covered(const triangle_tree& m, std::uint32_t t, const vec3& q,
+                                     const vec3& direction, const vec3& centre) {
+  const vec3 own = (m.corner(t, 0) + m.corner(t, 1) + m.corner(t, 2)) / 3 - q, body = centre - q;
+  bool covered = false;
+  each_other_at(m, t, q, [&](std::uint32_t other, real near) {
+    const real below = m.normals[other].dot(own), above = m.normals[other].dot(body);
+    covered = covered || (below * above < 0 && std::abs(below) > level_enough * own.norm() &&
+                          reaches_further(m, other, q, direction, near));
+  });
+  return covered;
 }
 
 /// Whether this point is the furthest of the surrounding surface in the direction (unit).
@@ -70,28 +97,6 @@ inline constexpr real level_enough = 1e-6;  ///< sine of an angle that counts as
     if (m.frayed[v]) return nearest_of_triangles(m, t, q.at, direction);
   }
   return true;
-}
-
-/// Whether another triangle at the point q reaches further in the direction, between triangle t and
-/// the centre of a body, as the upper face of a closed surface does at its end.
-[[nodiscard]] inline bool is_covered(const triangle_tree& m, std::uint32_t t, const vec3& q,
-                                     const vec3& direction, const vec3& centre) {
-  const real near = real(1e-7) * m.bounding_radius;
-  const vec3 reach(near, near, near);
-  const vec3 own = (m.corner(t, 0) + m.corner(t, 1) + m.corner(t, 2)) / 3 - q, body = centre - q;
-  bool covered = false;
-  m.each_within(q - reach, q + reach, [&](std::uint32_t other) {
-    if (covered || other == t) return;
-    const vec3& n = m.normals[other];
-    const real below = n.dot(own), above = n.dot(body);
-    if (below * above >= 0 || std::abs(below) <= level_enough * own.norm()) return;
-    const vec3 &a = m.corner(other, 0), &b = m.corner(other, 1), &c = m.corner(other, 2);
-    if ((nearest_on_triangle(q, a, b, c).at - q).squaredNorm() > near * near) return;
-    for (const vec3* v : {&a, &b, &c})
-      if (const vec3 way = *v - q; direction.dot(way) > level_enough * way.norm() + near)
-        covered = true;
-  });
-  return covered;
 }
 
 /// Points of edges and corners that have made a contact, so that the next triangle with the same
