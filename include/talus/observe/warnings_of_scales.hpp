@@ -29,8 +29,8 @@ struct run_scales {
   bool followed = false;       ///< fast bodies are followed: continuous_collision
   bool may_follow = false;     ///< or could be, with the other policies of the scenario
   bool soft = false;           ///< the step follows from stiffness
-  speed_leap leap;             ///< the largest of all ranks; a step of 0: none
-  open_joint joint;
+  speed_leap leap{};           ///< the largest of all ranks; a step of 0: none
+  open_joint joint{};
 };
 
 /// Fractions of the mean radius by which gravity, and the fastest body, may move a body in a step.
