@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/core/shown_text.hpp"
 #include "talus/io/view_page.hpp"
 #include "talus/io/view_scene.hpp"
 #include "talus/observe/residual.hpp"
