@@ -9,7 +9,7 @@ using namespace talus::detail;
 TEST_CASE("UTF-8 is told from other bytes") {
   for (const char* const good : {"", "a.h5", "\xc3\xa9", "\xe2\x82\xac", "\xf0\x9f\x98\x80",
                                  "\xef\xbf\xbf", "\xf4\x8f\xbf\xbf", "\xed\x9f\xbf", "a\x7f\n"})
-    CHECK_MESSAGE(is_utf8(good), quoted(good));
+    CHECK_MESSAGE(is_utf8(good), quoted_text(good));
   for (const char* const bad :
        {"\xff", "\x80", "a\xc3", "\xc3(", "\xc0\xaf", "\xc1\xbf", "\xe0\x9f\xbf", "\xed\xa0\x80",
         "\xe2\x82", "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xe9t\xe9"})
@@ -17,9 +17,9 @@ TEST_CASE("UTF-8 is told from other bytes") {
 }
 
 TEST_CASE("a text in quotes ends where it ends") {
-  CHECK(quoted("a \"b\"\\\n\x01\x7f<\xc3\xa9") ==
+  CHECK(quoted_text("a \"b\"\\\n\x01\x7f<\xc3\xa9") ==
         "\"a \\\"b\\\"\\\\\\u000a\\u0001\\u007f\\u003c\xc3\xa9\"");
-  CHECK(quoted("\xff\xc3(\xc3\xa9") == "\"\\ufffd\\ufffd(\xc3\xa9\"");
+  CHECK(quoted_text("\xff\xc3(\xc3\xa9") == "\"\\ufffd\\ufffd(\xc3\xa9\"");
 }
 
 TEST_CASE("a text controls no terminal") {

@@ -303,6 +303,6 @@ TEST_CASE("a message holds a contribution, and base64 and JSON are those of thei
     append_base64(text, std::as_bytes(std::span(plain)));
     CHECK(text == coded);  // RFC 4648
   }
-  CHECK(quoted("a\"b\\c\n</script>") == R"("a\"b\\c\u000a\u003c/script>")");
+  CHECK(quoted_text("a\"b\\c\n</script>") == R"("a\"b\\c\u000a\u003c/script>")");
   CHECK(view_json::number(std::numeric_limits<double>::infinity()) == "null");
 }

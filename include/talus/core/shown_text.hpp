@@ -10,7 +10,7 @@ namespace talus::detail {
 [[nodiscard, gnu::cold]] bool is_utf8(std::string_view text);
 /// A text in quotes, as JSON and TOML have it, and safe within a script of HTML. For each byte that
 /// is not UTF-8 it has U+FFFD.
-[[nodiscard, gnu::cold]] std::string quoted(std::string_view text);
+[[nodiscard, gnu::cold]] std::string quoted_text(std::string_view text);
 /// A text without what controls a terminal and without bytes that are not UTF-8, which stand as
 /// \x1b; lines and tabs stay.
 [[nodiscard, gnu::cold]] std::string printable(std::string_view text);

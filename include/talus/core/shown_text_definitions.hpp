@@ -44,7 +44,7 @@ TALUS_INLINE bool is_utf8(std::string_view text) {
   return std::string(before) + digits[code >> 4] + digits[code & 15];
 }
 
-TALUS_INLINE std::string quoted(std::string_view text) {
+TALUS_INLINE std::string quoted_text(std::string_view text) {
   std::string out = "\"";
   while (!text.empty()) {
     const std::size_t bytes = first_character(text);

@@ -225,7 +225,7 @@ class vtk_series {
   [[nodiscard]] bool lists(const std::string& file) const {
     struct stat found {};
     const std::string path = name_.substr(0, name_.find_last_of('/') + 1) + file;
-    return std::find(listed_.begin(), listed_.end(), detail::quoted(file)) != listed_.end() &&
+    return std::find(listed_.begin(), listed_.end(), detail::quoted_text(file)) != listed_.end() &&
            ::lstat(path.c_str(), &found) == 0 && S_ISREG(found.st_mode);
   }
   world<Scenario>& w_;

@@ -9,7 +9,7 @@
 namespace talus::detail {
 
 TALUS_INLINE void json_object::add(std::string_view key, std::string_view text) {
-  put(key, detail::quoted(text));
+  put(key, detail::quoted_text(text));
 }
 
 TALUS_INLINE void json_object::add(std::string_view key, double value) {

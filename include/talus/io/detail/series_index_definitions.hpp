@@ -29,7 +29,7 @@ TALUS_HDF5_INLINE void series_index::go_on(std::uint64_t end) {
 
 TALUS_HDF5_INLINE void series_index::add(const std::string& name, double time) {
   std::string line = empty_ ? "" : ",\n";
-  ((((line += "    ") += name_mark) += detail::quoted(name)) += time_mark) += text(time) + "}";
+  ((((line += "    ") += name_mark) += detail::quoted_text(name)) += time_mark) += text(time) + "}";
   const system_file file(file_, O_RDWR | O_NOFOLLOW);
   const std::string bytes = line + std::string(foot);
   struct stat found {};

@@ -15,13 +15,13 @@ TALUS_INLINE std::string view_json::vector(const vec3& v) {
 }
 TALUS_INLINE void view_json::add_raw(std::string_view key, std::string_view json) {
   if (!text_.empty()) text_ += ',';
-  ((text_ += detail::quoted(key)) += ':') += json;
+  ((text_ += detail::quoted_text(key)) += ':') += json;
 }
 TALUS_INLINE void view_json::add(std::string_view key, double value) {
   add_raw(key, number(value));
 }
 TALUS_INLINE void view_json::add_text(std::string_view key, std::string_view text) {
-  add_raw(key, detail::quoted(text));
+  add_raw(key, detail::quoted_text(text));
 }
 
 TALUS_INLINE view_grid::view_grid(const plain_vector<view_body>& all) {

@@ -230,7 +230,7 @@ TALUS_INLINE view_frame view_frames::make(std::vector<view_part>& parts) {
   out.head.add_raw("cell", view_json::vector(grid.cell()));
   out.head.add("position_error", grid.error());
   out.head.add_raw("seconds", "[" + seconds + "]");
-  if (!out.warning.empty()) out.head.add_raw("notes", "[" + detail::quoted(out.warning) + "]");
+  if (!out.warning.empty()) out.head.add_raw("notes", "[" + detail::quoted_text(out.warning) + "]");
   out.head.add_raw("blocks", to.where());
   return out;
 }

@@ -176,7 +176,8 @@ TALUS_INLINE std::string command_line::read(option& o, std::string_view value,
       return detail::compose("{} needs a text in UTF-8, but is '{}'", name, std::string(value));
     // A line break in a name would make lines of its own in what the program prints.
     if (value.find('\n') != std::string_view::npos)
-      return detail::compose("{} needs a text of one line, but is {}", name, detail::quoted(value));
+      return detail::compose("{} needs a text of one line, but is {}", name,
+                             detail::quoted_text(value));
     *static_cast<std::string*>(o.target) = value;
     return {};
   }

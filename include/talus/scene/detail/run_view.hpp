@@ -64,7 +64,7 @@ class run_view {
     if (!page_) return;
     std::string names;
     for (const recorded_value& r : w_.records().all())
-      (names += names.empty() ? "" : ",") += detail::quoted(r.name);
+      (names += names.empty() ? "" : ",") += detail::quoted_text(r.name);
     view_json end;
     end.add_raw("recorded", "[" + names + "]");
     page_->finish(describe(end));
@@ -127,11 +127,12 @@ class run_view {
     if (!colour_.empty()) about.add_text("colour", colour_);
     if (w_.look()) about.add_raw("look", view_look(*w_.look()));
     if (!restart_.empty() && !begun_)
-      about.add_raw("notes", "[" +
-                                 quoted(compose("The page begins at step {}, where the run was "
-                                                "restarted from {}.",
-                                                w_.steps(), restart_)) +
-                                 "]");
+      about.add_raw("notes",
+                    "[" +
+                        quoted_text(compose("The page begins at step {}, where the run was "
+                                            "restarted from {}.",
+                                            w_.steps(), restart_)) +
+                        "]");
     return about.str();
   }
   /// What the page plots. The record of residuals stays as it is: a run with a page has the same

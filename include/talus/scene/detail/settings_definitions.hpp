@@ -73,7 +73,7 @@ TALUS_INLINE std::string command_line::value_text(const option& o) {
   if (o.holds == kind::flag) return *static_cast<const bool*>(o.target) ? "true" : "false";
   if (o.holds == kind::text) {
     const std::string& text = *static_cast<const std::string*>(o.target);
-    return text.empty() && o.initial.empty() ? "" : detail::quoted(text);
+    return text.empty() && o.initial.empty() ? "" : detail::quoted_text(text);
   }
   const number value = o.load(o.target);
   if (!(value >= o.lower && value <= o.upper)) return {};
