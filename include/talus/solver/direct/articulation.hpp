@@ -29,7 +29,7 @@ class articulation : private articulated_rows {
     articulated_rows::arrange(all, number);
     system_.arrange(static_cast<std::int32_t>(bodies.size()), {ties.data(), ties.size()});
     held_.assign(rows, bound::none), start_.assign(rows, 0), residuals_.assign(rows, 0);
-    factorized_ = false, care_ = care::none;
+    factorized_ = false, care_ = care::none, softness_ = soft;
   }
   /// The rows are others from now on, and the factorization is an approximation.
   void renew() { stale_ = true; }
@@ -91,10 +91,10 @@ class articulation : private articulated_rows {
   enum class care : char { none, more, in_vain, yields };
   /// Velocities on the way to a solution, over those of the solution, whose round-off counts.
   static constexpr real far = 1e3;
-  /// The compliance of contradicting rows, over their mobility.
-  static constexpr real softness = 1e-6;
+  /// The compliance of contradicting rows, over their mobility: at first, and at most.
+  static constexpr real soft = 1e-6, softest = 1e-2;
   [[nodiscard]] real compliance_of(std::size_t j, const joint_line& x) const {
-    return care_ == care::yields ? x.compliance + softness * mobility(j, x) : x.compliance;
+    return care_ == care::yields ? x.compliance + softness_ * mobility(j, x) : x.compliance;
   }
   /// A limit that is reached and has a coefficient of restitution. Where positions are solved there
   /// is none.
@@ -131,7 +131,7 @@ class articulation : private articulated_rows {
       const bool more =
           (bounded && (round < adding ? change_bounds(all, round >= all_at_once) || meet_bound()
                                       : hold_beyond_bounds())) ||
-          take_care();
+          take_care(all);
       if (!more) break;
       start_again(all);
     }
@@ -247,17 +247,25 @@ class articulation : private articulated_rows {
   }
   /// Whether the solution is better with more care. Without drives no velocity grows, and impulses
   /// are larger than velocities by the ratios of masses.
-  bool take_care() {
+  template <class Bodies>
+  bool take_care(const Bodies& all) {
     constexpr real small = 1e-6, bearable = 1e-3, faster = 30, heavier = 1e4;
     const real worst = std::max(left_, contradiction_);
+    const bool thrown = speed_ > 2 * first_speed_ && adds_too_much(*this, all);
     if (care_ == care::none) {
-      const bool wrong = !(worst <= small * first_speed_ && speed_ <= faster * first_speed_);
+      const bool wrong =
+          thrown || !(worst <= small * first_speed_ && speed_ <= faster * first_speed_);
       if (!wrong && !(largest_change() > heavier * first_speed_)) return false;
       care_ = care::more, heavy_ = !wrong;
       return true;
     }
-    if (care_ != care::more || worst <= bearable * first_speed_) return false;
-    care_ = heavy_ ? care::in_vain : care::yields;
+    if (care_ == care::yields) {
+      if (!thrown || softness_ >= softest) return false;
+      softness_ *= 10;
+      return true;
+    }
+    if (care_ != care::more || (worst <= bearable * first_speed_ && !thrown)) return false;
+    care_ = heavy_ && !thrown ? care::in_vain : care::yields;
     return true;
   }
   /// The largest change of an impulse, as a velocity.
@@ -364,6 +372,7 @@ class articulation : private articulated_rows {
   bool factorized_ = false, stale_ = false, heavy_ = false;
   bool plastic_ = false;  ///< rebounds are left out
   care care_ = care::none;
+  real softness_ = soft;  ///< of rows that yield
 };
 
 }  // namespace talus::detail
