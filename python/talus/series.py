@@ -1,4 +1,5 @@
 """Outputs: the files that --output wrote."""
+import collections
 import collections.abc
 import json
 import math
@@ -118,6 +119,10 @@ class Series(collections.abc.Sequence):
             raise Error(f"{path} is no index of an {WHAT}: it lists no files with times") from None
         if not all(math.isfinite(time) for _, time in self._files):
             raise Error(f"{path} is damaged: it lists times that are not finite")
+        counts = collections.Counter(name for name, _ in self._files)
+        if len(counts) < len(self._files):
+            name, count = counts.most_common(1)[0]
+            raise Error(f"{path} is damaged: it lists {name!r} {count} times")
 
     @property
     def times(self):

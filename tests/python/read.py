@@ -186,6 +186,10 @@ class Read(unittest.TestCase):
         (self.work / "gone.hdf.series").write_text(json.dumps(index))
         with self.assertRaisesRegex(talus.Error, "gone_0000000001.hdf does not exist"):
             talus.open(self.work / "gone.hdf.series")[0]
+        index["files"] *= 300000
+        (self.work / "many.hdf.series").write_text(json.dumps(index))
+        with self.assertRaisesRegex(talus.Error, "it lists 'gone_0000000001.hdf' 300000 times"):
+            talus.open(self.work / "many.hdf.series")
 
 
 if __name__ == "__main__":
