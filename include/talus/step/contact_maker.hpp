@@ -317,7 +317,9 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       motion_.add_flight(u, i, j);
     }
     if (motion_.parts_before_touching(i, j, x.radius, x.slack, g, u)) return;
-    const bool passing = g.gap > x.slack && passes(x, g.normal, g.gap);
+    const bool passing =
+        (g.gap > x.slack || motion_.closes_in_slack(g.gap, x.slack, g.normal.dot(u))) &&
+        passes(x, g.normal, g.gap);
     if constexpr (monitored<Scenario, penetration_monitor>)
       if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
     contact_type c;
@@ -361,7 +363,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
         }
     add_to_list(x, c, key);
   }
-  /// Whether the surfaces of a contact with a gap above the slack pass each other in this step.
+  /// Whether the surfaces of a contact with such a gap pass each other in this step.
   [[nodiscard]] bool passes(pair_at_hand& x, const vec3& normal, real gap) const {
     const vec3 &at_a = position_a(x), &at_b = position_b(x);
     if (!motion_.may_pass(x.i, x.j, at_a, at_b, x.slack, normal, gap)) return false;

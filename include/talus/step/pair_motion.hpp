@@ -60,15 +60,22 @@ class pair_motion {
       return gap + normal.dot(way) - gravity_ * s_.dt * s_.dt >= -least;
     }
   }
-  /// Whether they come within the slack on their paths in this step, as the integrator moves them
-  /// without contacts.
+  /// Surfaces that come nearer than this part of the slack on their paths meet.
+  static constexpr real nearest = 0.01;
+  /// Whether a gap within the slack closes by the velocity `un` along its normal, so that the path
+  /// decides. (Contacts of spheres that are kept read no velocities there.)
+  [[nodiscard]] bool closes_in_slack(real gap, real slack, real un) const {
+    constexpr bool spheres = std::is_same_v<ShapeA, sphere> && std::is_same_v<ShapeB, sphere>;
+    return !spheres && gap > nearest * slack && gap + un * s_.dt < 0;
+  }
+  /// Whether they meet on their paths in this step, as the integrator moves them without contacts.
   [[nodiscard]] bool meet_on_paths(std::size_t i, std::size_t j, const vec3& at_a, const vec3& at_b,
                                    real slack) const {
     if constexpr (!ShapeB::finite) {
       return true;
     } else if constexpr (std::is_same_v<ShapeA, sphere> && std::is_same_v<ShapeB, sphere>) {
       return points_come_near(at_a - at_b, way_past(i, j, at_a, at_b),
-                              a_.shape[i].radius + b_.shape[j].radius + slack);
+                              a_.shape[i].radius + b_.shape[j].radius + nearest * slack);
     } else {
       const auto fa = path_of(a_, i, at_a);
       const auto fb = path_of(b_, j, at_b);
@@ -76,8 +83,8 @@ class pair_motion {
         if (const driven_body* one = going_body<ShapeB>(s_, j))
           return come_near(a_.shape[i],
                            moving_frame(fa, one->state.at.point, one->next.v, one->next.w, s_.dt),
-                           b_.shape[j], fb, s_.dt, slack);
-      return come_near(a_.shape[i], fa, b_.shape[j], fb, s_.dt, slack);
+                           b_.shape[j], fb, s_.dt, nearest * slack);
+      return come_near(a_.shape[i], fa, b_.shape[j], fb, s_.dt, nearest * slack);
     }
   }
   [[nodiscard]] real gravity() const { return gravity_; }
