@@ -103,6 +103,46 @@ TEST_CASE("bodies keep speed and height on tiles that are closed meshes") {
       }
 }
 
+TEST_CASE("a cylinder that rolls over tiles without slip keeps speed and height") {
+  const real radius = 0.03, tile = 0.1;
+  for (const bool meshes : {false, true})
+    for (const real dt : {1.0 / 60, 1.0 / 240})
+      for (const real speed : {0.05, 0.5, 2.0})
+        for (const real angle : {0.0, 0.2}) {
+          serial::link link;
+          world_type w(link);
+          w.gravity({0, 0, -9.81});
+          w.material({.restitution = 0, .friction = 0.3});
+          for (int i = -3; i < 3; ++i)
+            for (int j = -2; j < 2; ++j)
+              if (const vec3 low = tile * vec3(i, j + 0.3, -1); meshes)
+                put_closed_mesh(w, level, low, low + vec3(tile, tile, tile));
+              else
+                w.global([&](auto& s) {
+                  s.add(body<box>{.shape = box{{tile, tile, tile}},
+                                  .position = low + 0.5 * vec3(tile, tile, tile)});
+                });
+          const vec3 along(std::cos(angle), std::sin(angle), 0), v = speed * along;
+          const auto one = w.add(body<cylinder>{
+              .shape = cylinder{radius, 0.055},
+              .position = -0.12 * along + vec3(0, 0, radius),
+              .velocity = v,
+              .angular_velocity = vec3(0, 0, 1 / radius).cross(v),
+              .orientation = rotation({0, 0, 1}, angle) * rotation({1, 0, 0}, pi / 2)});
+          real error = 0;
+          for (int k = 0; k < static_cast<int>(0.24 / (speed * dt)); ++k) {
+            w.step(dt);
+            error = std::max({error, (w[one].velocity() - v).norm() / speed,
+                              std::abs(w[one].position()[2] - radius) / radius});
+          }
+          CAPTURE(meshes);
+          CAPTURE(dt);
+          CAPTURE(speed);
+          CAPTURE(angle);
+          CHECK(error < 1e-6);
+        }
+}
+
 TEST_CASE("a sphere keeps speed and height over a box in a plane, at any tilt") {
   constexpr std::uint64_t seed = 7;
   random_stream random(seed, 1);

@@ -180,6 +180,22 @@ class flush_surface {
     });
   }
 
+  /// The point q of a solid on its edge or at its corner, if it is near one that has the normal n.
+  /// Searches for curved bodies give points beside it, by less than that.
+  template <class Solid>
+  [[nodiscard]] vec3 on_edge(const Solid& solid, vec3 q, const vec3& n) const {
+    constexpr real near = 1e-4, along = 1e-6;
+    bool more = true;
+    for (int k = 0; k < 8 && more; ++k) {  // faces need not be at right angles
+      more = false;
+      solid.each_face([&](const vec3& m, real offset) {
+        const real below = offset - m.dot(q);
+        if (below > 0 && below <= near * c_.radius && m.dot(n) > along) q += below * m, more = true;
+        return true;
+      });
+    }
+    return q;
+  }
   /// The point on the body: a side face has contacts with what is just above its upper edge.
   [[nodiscard]] vec3 on_body(std::uint32_t number) const {
     vec3 p = c_.point;
@@ -192,19 +208,22 @@ class flush_surface {
             q -= std::max(real(0), m.dot(q) - offset) * m;
             return true;
           });
-          p = at.to_world(q);
+          p = at.to_world(on_edge(solid, q, to_body(at, c_.normal)));
           return true;
         });
       } else if constexpr (is_triangulated<type>) {
         const pose at = store.pose(i);
-        const vec3 q = at.to_body(p), reach(depth_, depth_, depth_);
+        const vec3 q = at.to_body(p), reach(depth_, depth_, depth_), centre = at.to_body(c_.centre);
         const auto& m = store.shape[i].tree();
         real least = std::numeric_limits<real>::infinity();
         m.each_within(q - reach, q + reach, [&](std::uint32_t t) {
           const vec3 near =
               nearest_on_triangle(q, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)).at;
-          if (const real square = (near - q).squaredNorm(); square < least)
-            least = square, p = at.to_world(near);
+          if (const real square = (near - q).squaredNorm(); square < least) {
+            const flat_prism flat{
+                {m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)}, up_at(m, t, centre), 0};
+            least = square, p = at.to_world(on_edge(flat, near, to_body(at, c_.normal)));
+          }
         });
       }
     });
