@@ -139,7 +139,8 @@ TEST_CASE("a cylinder that rolls over tiles without slip keeps speed and height"
           CAPTURE(dt);
           CAPTURE(speed);
           CAPTURE(angle);
-          CHECK(error < 1e-6);
+          // The search for the nearest points on triangles tilts normals by 1e-7.
+          CHECK(error < (meshes ? 1e-5 : 1e-6));
         }
 }
 
