@@ -15,6 +15,7 @@
 #include <talus/shape/ellipsoid.hpp>
 #include <talus/shape/plane.hpp>
 #include <talus/shape/sphere.hpp>
+#include <talus/shape/union_of.hpp>
 #include <talus/world/world.hpp>
 #include <vector>
 
@@ -22,8 +23,10 @@ using namespace talus;
 
 namespace {
 
-using scene = scenario<bodies<sphere, box, capsule, cylinder, ellipsoid, triangle_mesh, plane>,
-                       transport<serial>>;
+using clump = union_of<sphere>;
+using scene =
+    scenario<bodies<sphere, box, capsule, cylinder, ellipsoid, clump, triangle_mesh, plane>,
+             transport<serial>>;
 using world_type = world<scene>;
 
 /// The surface of a block with these corners, turned by q.
@@ -100,6 +103,13 @@ TEST_CASE("bodies keep speed and height on tiles that are closed meshes") {
         CHECK(check(capsule{0.02, 0.05}, 0.02, lying) < 1e-6);
         CHECK(check(ellipsoid{{0.04, 0.03, 0.02}}, 0.02, level) < 1e-6);
         CHECK(check(sphere{0.03}, 0.03, level) < 1e-6);
+        const clump two({{.shape = sphere{0.025}, .at = {{-0.02, 0, 0}}},
+                         {.shape = sphere{0.025}, .at = {{0.02, 0, 0}}}});
+        const clump three({{.shape = sphere{0.02}, .at = {{-0.03, 0, 0}}},
+                           {.shape = sphere{0.02}, .at = {{0.03, 0, 0}}},
+                           {.shape = sphere{0.02}, .at = {{0, 0.04, 0}}}});
+        CHECK(check(two, 0.025, about(0.4)) < 1e-6);
+        CHECK(check(three, 0.02, level) < 1e-6);
       }
 }
 

@@ -12,12 +12,14 @@
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/detect/flush.hpp"
 #include "talus/detect/nearest_on_triangle.hpp"
-#include "talus/interaction/local_curvature.hpp"
 #include "talus/pairs/filtered_pairs.hpp"
-#include "talus/shape/capsule.hpp"
-#include "talus/shape/cylinder.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"
+
+namespace talus {
+template <class... Shapes>
+class union_of;
+}  // namespace talus
 
 namespace talus::detail {
 
@@ -28,13 +30,16 @@ struct contact_with_fixed {
   real radius = 0;
   system_id id = no_id;
   bool round = false;                ///< the movable body is a sphere
-  bool curved = false;               ///< or has neither faces nor edges
+  bool curved = false;               ///< see is_rounded
   std::size_t shape = 0, index = 0;  ///< of the movable body in the scenario, and in its store
 };
 
+/// Shapes whose contacts with a flat face have the normal of that face. Those of boxes, hulls and
+/// meshes may have that of a face of their own.
 template <class Shape>
-inline constexpr bool is_rounded =
-    has_curvatures<Shape> || std::is_same_v<Shape, capsule> || std::is_same_v<Shape, cylinder>;
+inline constexpr bool is_rounded = !has_flat_faces<Shape>;
+template <class... Parts>
+inline constexpr bool is_rounded<union_of<Parts...>> = (... && is_rounded<Parts>);
 
 /// Finds the contacts with flush bodies that are not on their common surface.
 template <class Scenario>
