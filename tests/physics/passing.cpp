@@ -4,6 +4,8 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <talus/core/random.hpp>
 #include <talus/mesh.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/serial.hpp>
@@ -125,6 +127,42 @@ void check_free_fall() {
 TEST_CASE("a ball that falls beside an edge falls freely") { check_free_fall<>(); }
 TEST_CASE("so it does with the reproducible solver") { check_free_fall<solver<reproducible>>(); }
 TEST_CASE("so it does with sleeping") { check_free_fall<features<sleeping>>(); }
+
+TEST_CASE_TEMPLATE("a ball that flies past a box at any angle keeps its velocity", Scene, scene<>,
+                   scene<solver<reproducible>>) {
+  constexpr std::uint64_t seed = 3;
+  random_stream random(seed, 1);
+  CAPTURE(seed);
+  const real radius = 0.5, dt = 1.0 / 60;
+  for (int flights = 0; flights < 150;) {
+    const vec3 edges = random.uniform(vec3(0.5, 0.5, 0.5), vec3(3, 3, 3));
+    const vec3 way = random.uniform(0.1, 1.5) * radius * random.unit_vector();  // in a step
+    const int steps = static_cast<int>(6 / way.norm()) + 2;
+    const vec3 side = way.cross(random.unit_vector()).normalized();
+    const vec3 from = random.uniform(0.5, 3) * side - (0.5 * steps + random.uniform()) * way;
+    const auto distance = [&](real step) {  // of the surfaces
+      const vec3 at = from + step * way;
+      const vec3 out = (at.cwiseAbs() - 0.5 * edges).cwiseMax(vec3(0, 0, 0));
+      return out.norm() - radius;
+    };
+    real nearest = 1;
+    for (int k = 0; k <= 50 * steps; ++k) nearest = std::min(nearest, distance(k / 50.));
+    if (nearest < 0.01 * radius || nearest > 0.1 * radius) continue;
+    ++flights;
+    serial::link link;
+    world<Scene> w{link};
+    w.material({.density = 1, .restitution = 0.5, .friction = 0.3});
+    const quat turn = random.rotation();
+    w.add(body<box>{.shape = box{edges}, .orientation = turn, .fixed = flights % 2 == 0});
+    const vec3 v = turn * way / dt;
+    const auto ball =
+        w.add(body<sphere>{.shape = sphere{radius}, .position = turn * from, .velocity = v});
+    for (int k = 0; k < steps; ++k) w.step(dt);
+    CAPTURE(flights);
+    CAPTURE(nearest);
+    CHECK((w[ball].velocity() - v).norm() < 1e-9 * v.norm());
+  }
+}
 
 TEST_CASE("a ball that falls upon an edge is turned aside, and does not enter the obstacle") {
   for (const obstacle what : all_obstacles)
