@@ -139,9 +139,10 @@ int main(int argc, char** argv) {
   }
   for (std::uint64_t n = 0; n < runs; ++n) {
     fuzz::plan p = fuzz::draw(seed + n);
-    p.without = without, p.shrinks = shrinks;
     const family& f = only.empty() ? families[(seed + n) % drawn] : *named;
     if (f.run == nullptr) continue;
+    if (f.run == fuzz::run_shapes) p = fuzz::for_shapes(p);
+    p.without = without, p.shrinks = shrinks;
     std::snprintf(repeat, sizeof repeat, "%s --only %s --runs 1 --seed %llu", argv[0], f.name,
                   static_cast<unsigned long long>(p.seed));
     const std::string says = of_mechanisms(f) ? "" : ", " + text(p);
