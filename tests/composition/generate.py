@@ -15,7 +15,7 @@ ON_OFF = ["orientation", "forces", "user_ids", "visibility", "damping", "continu
           "sleeping", "balancing", "vtk_output", "driven", "energy_ledger", "momentum_balance",
           "penetration_monitor", "residual_monitor", "contact_filters", "events"]
 FACTORS = {
-    "shapes": ["spheres", "boxes", "rounded", "compound"],
+    "shapes": ["spheres", "boxes", "rounded", "compound", "smooth"],
     "law": ["hard", "hard_smooth", "hard_overlapping", "soft_linear", "soft_hertz"],
     "solver": ["nonlinear_gauss_seidel", "reproducible", "accelerated_jacobi", "substepping", "none"],
     "broad_phase": ["linear_hash_grid", "sweep_and_prune"],
@@ -115,12 +115,14 @@ def covering(rng):
 
 
 SHAPES = {"spheres": "sphere", "boxes": "sphere, box", "rounded": "sphere, capsule, cylinder",
-          "compound": "sphere, convex_polyhedron, dumbbell"}
+          "compound": "sphere, convex_polyhedron, dumbbell", "smooth": "sphere, ellipsoid, superellipsoid"}
 MORE = {
     "rounded": "f(capsule{real(0.6) * r, r}), f(cylinder{real(0.8) * r, r});",
     "compound": """f(convex_polyhedron({{r, 0, 0}, {-r, 0, 0}, {0, r, 0}, {0, -r, 0}, {0, 0, r}, {0, 0, -r}}));
     f(dumbbell({{.shape = sphere{real(0.6) * r}, .at = {{-real(0.3) * r, 0, 0}}},
-                {.shape = sphere{real(0.6) * r}, .at = {{real(0.3) * r, 0, 0}}}}));"""}
+                {.shape = sphere{real(0.6) * r}, .at = {{real(0.3) * r, 0, 0}}}}));""",
+    "smooth": """f(ellipsoid{{r, real(0.8) * r, real(0.5) * r}});
+    f(superellipsoid{{real(0.7) * r, real(0.6) * r, real(0.5) * r}, 4, 3});"""}
 LAWS = {"hard": "hard_contact<coulomb_friction, newton_restitution, split_correction>",
         "hard_smooth": "hard_contact<newton_restitution, split_correction>",
         "hard_overlapping": "hard_contact<coulomb_friction, no_correction>",
@@ -138,8 +140,8 @@ DECOMPOSITIONS = {
     "cells": ("any_decomposition", """const half_space side = variant == 0 ? half_space(0.3, 0.8, 0.2, 0.1) : half_space(1, 0.1, 0, -0.4);
     return std::pair(2, type(cells(side, complement(side))));""")}
 HEADERS = ["shape/sphere", "shape/box", "shape/capsule", "shape/cylinder", "shape/plane",
-           "shape/convex_polyhedron", "shape/union_of", "solver/coloured_gauss_seidel",
-           "solver/accelerated_jacobi", "solver/substepping", "detect/sweep_and_prune",
+           "shape/convex_polyhedron", "shape/ellipsoid", "shape/superellipsoid", "shape/union_of",
+           "solver/coloured_gauss_seidel", "solver/accelerated_jacobi", "solver/substepping", "detect/sweep_and_prune",
            "parallel/any_decomposition", "parallel/bisection", "parallel/cells", "parallel/grid",
            "parallel/hexagonal", "parallel/periodic", "parallel/ring", "parallel/serial",
            "parallel/threads"]

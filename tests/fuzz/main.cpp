@@ -33,8 +33,10 @@ struct family {
 // Those that are compiled. A seed has one of the first seven, whichever of them are.
 #ifdef TALUS_FUZZ_ALL
 #define TALUS_IF_ALL(run) run
+const char* const of_shapes = "shapes";
 #else
 #define TALUS_IF_ALL(run) nullptr
+const char* const of_shapes = "few_shapes";  // other draws than with all of them
 #endif
 #ifdef TALUS_FUZZ_MECHANISMS
 #define TALUS_IF_MECHANISMS(run) run
@@ -49,6 +51,7 @@ const family families[] = {
     {"pursued", TALUS_IF_ALL(fuzz::run_pursued)},
     {"alike", TALUS_IF_ALL(fuzz::run_alike)},
     {"around", TALUS_IF_ALL(fuzz::run_around)},
+    {of_shapes, fuzz::run_shapes},
     {"mechanisms", TALUS_IF_MECHANISMS(fuzz::run_mechanisms)},
     {"mechanisms_around", TALUS_IF_ALL(TALUS_IF_MECHANISMS(fuzz::run_mechanisms_around))}};
 constexpr std::uint64_t drawn = 7;
@@ -112,12 +115,13 @@ int main(int argc, char** argv) {
       for (std::stringstream items(value()); std::getline(items, item, ',');)
         without.insert(std::stoi(item));
     else {
-      std::fprintf(stderr,
-                   "usage: %s [--runs N] [--seed S] [--only "
-                   "spheres|solids|jacobi|springs|pursued|alike|around|mechanisms|"
-                   "mechanisms_around] [--seconds PER_RUN] [--verbose] [--shrink] "
-                   "[--without ITEM,ITEM]\n",
-                   argv[0]);
+      std::fprintf(
+          stderr,
+          "usage: %s [--runs N] [--seed S] [--only "
+          "spheres|solids|jacobi|springs|pursued|alike|around|shapes|few_shapes|mechanisms|"
+          "mechanisms_around] [--seconds PER_RUN] [--verbose] [--shrink] "
+          "[--without ITEM,ITEM]\n",
+          argv[0]);
       return 2;
     }
   }
@@ -135,9 +139,10 @@ int main(int argc, char** argv) {
   }
   for (std::uint64_t n = 0; n < runs; ++n) {
     fuzz::plan p = fuzz::draw(seed + n);
-    p.without = without, p.shrinks = shrinks;
     const family& f = only.empty() ? families[(seed + n) % drawn] : *named;
     if (f.run == nullptr) continue;
+    if (f.run == fuzz::run_shapes) p = fuzz::for_shapes(p);
+    p.without = without, p.shrinks = shrinks;
     std::snprintf(repeat, sizeof repeat, "%s --only %s --runs 1 --seed %llu", argv[0], f.name,
                   static_cast<unsigned long long>(p.seed));
     const std::string says = of_mechanisms(f) ? "" : ", " + text(p);

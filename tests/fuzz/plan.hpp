@@ -72,6 +72,18 @@ inline plan draw(std::uint64_t seed) {
   return p;
 }
 
+/// The same with sizes of 1 : 10 to 1 : 10,000 in a third of the runs, and half of them on one
+/// rank, where contacts add no energy in any step, to round-off.
+inline plan for_shapes(plan p) {
+  talus::random_stream r(p.seed, 4);
+  if (r.integer(3) == 0) {
+    p.ratio = std::pow(10.0, r.uniform(1, 4));
+    p.smallest = r.uniform(0.4, 0.8) / p.ratio;
+  }
+  if (r.integer(2) == 0) p.ranks = 1, p.how = domains::slabs;
+  return p;
+}
+
 inline std::string text(const plan& p) {
   static const char* const subjects[] = {"cloud", "heap", "stirred", "wild"};
   static const char* const kinds[] = {"grid", "hexagonal", "ring", "slabs", "cells"};
@@ -102,6 +114,7 @@ outcome run_springs(const plan& p);     ///< spheres with soft contacts
 outcome run_alike(const plan& p);       ///< spheres and boxes, the same bits as on one rank
 outcome run_around(const plan& p);      ///< the same in a periodic box, or the default solver there
 outcome run_pursued(const plan& p);     ///< spheres and boxes with continuous collision
+outcome run_shapes(const plan& p);      ///< every shape, or few; degenerate poses, 1 : 10,000
 outcome run_mechanisms(const plan& p);  ///< joints of all kinds
 outcome run_mechanisms_around(const plan& p);  ///< the same in a periodic box
 
