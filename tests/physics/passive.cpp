@@ -161,6 +161,29 @@ TEST_CASE("contacts add no energy in any step on three ranks, with the reproduci
   check_all<scene<reproducible>>(3, 1e-13);
 }
 
+TEST_CASE_TEMPLATE("contacts add no energy where the iterations do not reach the tolerance", Solver,
+                   nonlinear_gauss_seidel, coloured_gauss_seidel, accelerated_jacobi) {
+  for (const int iterations : {1, 2, 10})
+    for (const double restitution : {0.5, 1.0}) {
+      CAPTURE(iterations);
+      CAPTURE(restitution);
+      const auto set_up = [&](auto& w, auto stone) {
+        w.solver().tolerance = 1e-15, w.solver().max_iterations = iterations;
+        for (int i = 0; i < 125; ++i)
+          w.add_if_local(body{.shape = sphere{0.5},
+                              .position = {i % 5 - 2.0, i / 5 % 5 - 2.0, i / 25 - 2.0},
+                              .material = stone});
+        w.add_if_local(body{.shape = sphere{1.5},
+                            .position = {-4.05, 0.1, 0.2},
+                            .material = stone,
+                            .velocity = {6, 0.5, -1}});
+      };
+      const outcome r = run<scene<Solver>>(1, iterations, restitution, 0, 40, set_up);
+      CHECK(r.gain < 1e-13);
+      CHECK(r.highest < 1 + 1e-13);
+    }
+}
+
 TEST_CASE(
     "contacts add no energy with the reproducible solver where bodies may be driven, but none is") {
   check_all<scene<reproducible, double, driven>>(3, 1e-13);

@@ -66,7 +66,6 @@ class passivity {
 
   /// After the solver, before the impulses are stored for the next step.
   void keep() {
-    if (s_.settings.tolerance > 0) return;  // the remaining work is within it
     if constexpr (state_type::drives)
       if (s_.driving.moves) return;  // driven bodies may add unlimited energy
     if constexpr (by_colours) {

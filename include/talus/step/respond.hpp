@@ -131,10 +131,13 @@ void solve_contacts(world_state<Scenario>& s) {
   // The mean velocities of a step do not tell what work strikes do over ranks: it counts before.
   bool kept = false;
   if constexpr (!coloured && !alone)
-    ranks.before_strikes = [&] { passivity(s, ranks).keep(), kept = true; };
-  s.convergence.add(
-      Solver::solve(lists, s.solver, s.settings, world_state<Scenario>::law::correction, ranks),
-      s.settings.tolerance);
+    ranks.before_strikes = [&] {
+      if (s.settings.tolerance == 0) passivity(s, ranks).keep();
+      kept = true;
+    };
+  const solved done =
+      Solver::solve(lists, s.solver, s.settings, world_state<Scenario>::law::correction, ranks);
+  s.convergence.add(done, s.settings.tolerance);
   if constexpr (world_state<Scenario>::has_joints && solves_joints_directly<Scenario> &&
                 !requires { Solver::solves_joints; }) {
     exact_joints<std::remove_reference_t<decltype(lists)>, decltype(s.solver), decltype(ranks)>
@@ -143,7 +146,8 @@ void solve_contacts(world_state<Scenario>& s) {
   }
   if constexpr (world_state<Scenario>::law::restitution) end_impacts(lists, s.solver);
   if constexpr (coloured && !alone) drop_foreign_bodies(s);
-  if (!kept) passivity(s, ranks).keep();
+  if (!kept && !(done.residual <= s.settings.tolerance))  // else the remaining work is within it
+    passivity(s, ranks).keep();
 }
 
 /// Stores the impulses for the next step. Those of contacts that were kept have their places.
