@@ -63,10 +63,11 @@ struct added_energy {
 
 /// Whether the present impulses give bodies far more energy than they have without these and than
 /// each row alone needs to follow what drives it: its target, and bodies of prescribed motion. A
-/// mechanism that these pull almost to the end of its reach would have to become as fast.
+/// mechanism that these pull almost to the end of its reach would have to become as fast: by more
+/// than the factor `faster`.
 template <class Bodies>
-[[nodiscard]] bool adds_too_much(articulated_rows& rows, const Bodies& all) {
-  constexpr real faster = 30, rounding = 1e-3;
+[[nodiscard]] bool adds_too_much(articulated_rows& rows, const Bodies& all, real faster) {
+  constexpr real rounding = 1e-3;
   const auto loads = loads_of(rows, [](const joint_line&) { return true; });
   real with = 0, without = 0, driven = 0;
   for (std::size_t i = 0; i < loads.size(); ++i) {
@@ -80,9 +81,9 @@ template <class Bodies>
     without += energy(now.v - rows.inverse_mass[i] * loads[i].impulse,
                       now.w - rows.inverse_inertia[i] * loads[i].moment);
   }
-  rows.each_row([&](std::size_t j, std::size_t, const joint_line& x, real&) {
+  rows.each_row([&](std::size_t j, std::size_t, const joint_line& x, real& r) {
     const real mobility = rows.mobility(j, x);
-    if (!(mobility > 0)) return;
+    if (r == 0 || !(mobility > 0)) return;  // a limit that is not reached drives nothing
     real target = std::abs(x.target);
     const auto add = [&](std::int32_t tie, std::int32_t body, const vec3& moment) {
       if (tie >= 0) return;

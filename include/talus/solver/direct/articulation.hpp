@@ -101,6 +101,10 @@ class articulation : private articulated_rows {
   [[nodiscard]] bool is_rebound(std::size_t j, const joint_line& x) const {
     return x.use == line_use::limits && x.target > 0 && joints[j].before != nullptr;
   }
+  /// Not the positions, where gaps are targets.
+  [[nodiscard]] bool solves_velocities() const {
+    return !joints.empty() && joints.front().before != nullptr;
+  }
   [[nodiscard]] real target_of(std::size_t j, const joint_line& x) const {
     return plastic_ && is_rebound(j, x) ? real(0) : x.target;
   }
@@ -249,9 +253,10 @@ class articulation : private articulated_rows {
   /// are larger than velocities by the ratios of masses.
   template <class Bodies>
   bool take_care(const Bodies& all) {
-    constexpr real small = 1e-6, bearable = 1e-3, faster = 30, heavier = 1e4;
+    constexpr real small = 1e-6, bearable = 1e-3, faster = 30, further = 100, heavier = 1e4;
     const real worst = std::max(left_, contradiction_);
-    const bool thrown = speed_ > 2 * first_speed_ && adds_too_much(*this, all);
+    const bool thrown = speed_ > 2 * first_speed_ &&
+                        adds_too_much(*this, all, solves_velocities() ? faster : further);
     if (care_ == care::none) {
       const bool wrong =
           thrown || !(worst <= small * first_speed_ && speed_ <= faster * first_speed_);
