@@ -253,10 +253,11 @@ class articulation : private articulated_rows {
   /// are larger than velocities by the ratios of masses.
   template <class Bodies>
   bool take_care(const Bodies& all) {
-    constexpr real small = 1e-6, bearable = 1e-3, faster = 30, further = 100, heavier = 1e4;
+    constexpr real small = 1e-6, bearable = 1e-3, faster = 30, thrown_by = 20, moved_by = 60,
+                   heavier = 1e4;
     const real worst = std::max(left_, contradiction_);
     const bool thrown = speed_ > 2 * first_speed_ &&
-                        adds_too_much(*this, all, solves_velocities() ? faster : further);
+                        adds_too_much(*this, all, solves_velocities() ? thrown_by : moved_by);
     if (care_ == care::none) {
       const bool wrong =
           thrown || !(worst <= small * first_speed_ && speed_ <= faster * first_speed_);
