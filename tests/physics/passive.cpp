@@ -104,19 +104,24 @@ outcome row_with_gaps(int count, int ranks, double first_gap) {
   });
 }
 
-/// 5 x 5 x 5 touching spheres on a floor, hit by a large one.
+/// 5 x 5 x 5 touching spheres, and a large one that hits them.
+template <class World>
+void add_lattice(World& w, material_id stone) {
+  for (int i = 0; i < 125; ++i)
+    w.add_if_local(body{.shape = sphere{0.5},
+                        .position = {i % 5 - 2.0, i / 5 % 5 - 2.0, i / 25 - 2.0},
+                        .material = stone});
+  w.add_if_local(body{.shape = sphere{1.5},
+                      .position = {-4.05, 0.1, 0.2},
+                      .material = stone,
+                      .velocity = {6, 0.5, -1}});
+}
+/// The same on a floor.
 template <class Scene>
 outcome lattice(int ranks, int iterations, double restitution, double gravity) {
   return run<Scene>(ranks, iterations, restitution, gravity, 40, [&](auto& w, auto stone) {
     w.global([&](auto& scope) { scope.add(plane{.offset = -2.5}, stone); });
-    for (int i = 0; i < 125; ++i)
-      w.add_if_local(body{.shape = sphere{0.5},
-                          .position = {i % 5 - 2.0, i / 5 % 5 - 2.0, i / 25 - 2.0},
-                          .material = stone});
-    w.add_if_local(body{.shape = sphere{1.5},
-                        .position = {-4.05, 0.1, 0.2},
-                        .material = stone,
-                        .velocity = {6, 0.5, -1}});
+    add_lattice(w, stone);
   });
 }
 
@@ -169,14 +174,7 @@ TEST_CASE_TEMPLATE("contacts add no energy where the iterations do not reach the
       CAPTURE(restitution);
       const auto set_up = [&](auto& w, auto stone) {
         w.solver().tolerance = 1e-15, w.solver().max_iterations = iterations;
-        for (int i = 0; i < 125; ++i)
-          w.add_if_local(body{.shape = sphere{0.5},
-                              .position = {i % 5 - 2.0, i / 5 % 5 - 2.0, i / 25 - 2.0},
-                              .material = stone});
-        w.add_if_local(body{.shape = sphere{1.5},
-                            .position = {-4.05, 0.1, 0.2},
-                            .material = stone,
-                            .velocity = {6, 0.5, -1}});
+        add_lattice(w, stone);
       };
       const outcome r = run<scene<Solver>>(1, iterations, restitution, 0, 40, set_up);
       CHECK(r.gain < 1e-13);
