@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "talus/body/jointed_body.hpp"
 #include "talus/constraint/joint_line.hpp"
@@ -69,9 +70,10 @@ template <class Bodies>
 [[nodiscard]] bool adds_too_much(articulated_rows& rows, const Bodies& all, real faster) {
   constexpr real rounding = 1e-3;
   const auto loads = loads_of(rows, [](const joint_line&) { return true; });
-  real with = 0, without = 0, driven = 0;
+  real with = 0, without = 0, driven = 0, heaviest = 0, lightest = std::numeric_limits<real>::max();
   for (std::size_t i = 0; i < loads.size(); ++i) {
     const real mass = 1 / rows.inverse_mass[i];
+    heaviest = std::max(heaviest, mass), lightest = std::min(lightest, mass);
     const mat3 inertia = rows.inverse_inertia[i].inverse();
     const auto energy = [&](const vec3& v, const vec3& w) {
       return mass * v.squaredNorm() + w.dot(inertia * w);
@@ -94,7 +96,8 @@ template <class Bodies>
     add(rows.ties[j].b, rows.joints[j].b, x.moment_b);
     driven += target * target / mobility;
   });
-  return with > (1 + rounding) * without + faster * faster * driven;
+  // A row of light bodies may move heavy ones.
+  return with > (1 + rounding) * without + faster * faster * (heaviest / lightest) * driven;
 }
 
 /// The largest part of the way between two solutions that adds no energy: the first adds none, the
