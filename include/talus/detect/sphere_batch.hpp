@@ -57,6 +57,9 @@ struct sphere_geometry {
     arm_b = dot(normal, lever_b);
   }
 };
+/// Surfaces that come nearer than this part of their slack on their paths in a step meet.
+inline constexpr real touching_part = 0.01;
+
 /// This part of both radii, or of the smaller one twice.
 template <class Pack>
 [[nodiscard]] [[gnu::always_inline]] inline Pack slack_of(const Pack& part, const Pack& radius_a,
@@ -111,7 +114,7 @@ class sphere_batch {
   wide gap;
   wide approach;       ///< the velocity along the normal
   wide arm_a, arm_b;   ///< distances of the contact from the centres
-  unsigned apart = 0;  ///< those of them with a gap above the slack, which may pass each other
+  unsigned apart = 0;  ///< those of them with a gap that closes in the step: they may pass
 
  private:
   /// `find_margins` may set the margins and slacks; the mask that it returns excludes pairs.
@@ -144,7 +147,9 @@ class sphere_batch {
     const auto near = x.squared <= reach * reach;
     const auto left_out = excluded | ((gap > slack_) & (gap + closing > slack_));
     const unsigned met = bits_of(both(near, inverted(left_out))) & ((1u << count) - 1);
-    apart = met & bits_of(gap > slack_);
+    const auto closes = (gap > every_lane<wide>(touching_part) * slack_) &
+                        (gap + approach * dt < every_lane<wide>(0));
+    apart = met & bits_of((gap > slack_) | closes);
     return met;
   }
 

@@ -273,7 +273,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     const auto at_b = places_of(count, [&](unsigned k) { return sphere_of(b[k]); });
     const sphere_geometry<wide> x(vectors_in(at_a), at_a.w, vectors_in(at_b), at_b.w);
     const wide slack = slack_of(every_lane<wide>(contact_slack), at_a.w, at_b.w);
-    if (!all_lanes(x.gap <= every_lane<wide>(1 - 1e-6) * slack)) return false;
+    if (!all_lanes(x.gap <= every_lane<wide>(touching_part * (1 - 1e-6)) * slack)) return false;
     next.normal = x.normal, next.arm_a = x.arm_a, next.arm_b = x.arm_b;
     (void)set_gap_conditions(a, b, count, x.gap, next);
     return true;

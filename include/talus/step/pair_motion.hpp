@@ -5,6 +5,7 @@
 // that pass each other: where the tangential way is larger than the slack, the path decides.
 #include <algorithm>
 #include <cstddef>
+#include <type_traits>
 
 #include "talus/core/portable_powers.hpp"
 #include "talus/detect/narrow.hpp"
@@ -13,6 +14,10 @@
 #include "talus/state/state.hpp"
 
 namespace talus::detail {
+
+template <class Shape>
+inline constexpr bool has_round_ends =
+    std::is_same_v<Shape, sphere> || std::is_same_v<Shape, capsule>;
 
 /// The motion of the pairs of two shapes within a step. The second bodies are movable too
 /// (`Paired`), or are global and may be driven.
@@ -45,9 +50,8 @@ class pair_motion {
     return g.gap + closing > slack;
   }
   /// Whether bodies with such a normal and gap, now at these places, move so far along the surfaces
-  /// in this step that they may pass each other though their gap closes. They may not if something
-  /// that blocks their way would leave the centre of one in the other, to which turning does not
-  /// bring it.
+  /// in this step that they may pass each other though their gap closes. They may not if a third
+  /// body that takes this motion would leave one on the wrong side of the other.
   [[nodiscard]] bool may_pass(std::size_t i, std::size_t j, const vec3& at_a, const vec3& at_b,
                               real slack, const vec3& normal, real gap) const {
     if constexpr (!ShapeB::finite || state_type::continuous) {
@@ -56,17 +60,14 @@ class pair_motion {
       const vec3 way = way_past(i, j, at_a, at_b);
       const real turning = way_of_turning(a_, i, s_.dt) + way_of_turning(b_, j, s_.dt);
       if ((way - normal.dot(way) * normal).norm() + turning <= slack) return false;
-      const real least = std::min(inner_radius(a_.shape[i]), inner_radius(b_.shape[j]));
-      return gap + normal.dot(way) - gravity_ * s_.dt * s_.dt >= -least;
+      return gap + normal.dot(way) - gravity_ * s_.dt * s_.dt >=
+             -reversing_overlap(a_.shape[i], b_.shape[j]);
     }
   }
-  /// Surfaces that come nearer than this part of the slack on their paths meet.
-  static constexpr real nearest = 0.01;
   /// Whether a gap within the slack closes by the velocity `un` along its normal, so that the path
-  /// decides. (Contacts of spheres that are kept read no velocities there.)
+  /// decides.
   [[nodiscard]] bool closes_in_slack(real gap, real slack, real un) const {
-    constexpr bool spheres = std::is_same_v<ShapeA, sphere> && std::is_same_v<ShapeB, sphere>;
-    return !spheres && gap > nearest * slack && gap + un * s_.dt < 0;
+    return gap > touching_part * slack && gap + un * s_.dt < 0;
   }
   /// Whether they meet on their paths in this step, as the integrator moves them without contacts.
   [[nodiscard]] bool meet_on_paths(std::size_t i, std::size_t j, const vec3& at_a, const vec3& at_b,
@@ -75,7 +76,7 @@ class pair_motion {
       return true;
     } else if constexpr (std::is_same_v<ShapeA, sphere> && std::is_same_v<ShapeB, sphere>) {
       return points_come_near(at_a - at_b, way_past(i, j, at_a, at_b),
-                              a_.shape[i].radius + b_.shape[j].radius + nearest * slack);
+                              a_.shape[i].radius + b_.shape[j].radius + touching_part * slack);
     } else {
       const auto fa = path_of(a_, i, at_a);
       const auto fb = path_of(b_, j, at_b);
@@ -83,8 +84,8 @@ class pair_motion {
         if (const driven_body* one = going_body<ShapeB>(s_, j))
           return come_near(a_.shape[i],
                            moving_frame(fa, one->state.at.point, one->next.v, one->next.w, s_.dt),
-                           b_.shape[j], fb, s_.dt, nearest * slack);
-      return come_near(a_.shape[i], fa, b_.shape[j], fb, s_.dt, nearest * slack);
+                           b_.shape[j], fb, s_.dt, touching_part * slack);
+      return come_near(a_.shape[i], fa, b_.shape[j], fb, s_.dt, touching_part * slack);
     }
   }
   [[nodiscard]] real gravity() const { return gravity_; }
@@ -146,6 +147,19 @@ class pair_motion {
   }
 
  private:
+  /// The overlap from which on the normal of two bodies may point to the other side: the centre of
+  /// a sphere, or the axis of a capsule, enters the other body; else half of the thinner body.
+  [[nodiscard]] static real reversing_overlap(const ShapeA& a, const ShapeB& b) {
+    constexpr bool round_a = has_round_ends<ShapeA>, round_b = has_round_ends<ShapeB>;
+    if constexpr (round_a && round_b)
+      return a.radius + b.radius;
+    else if constexpr (round_a)
+      return a.radius;
+    else if constexpr (round_b)
+      return b.radius;
+    else
+      return std::min(inner_radius(a), inner_radius(b));
+  }
   /// The straight path of a body from `at` in this step. (Rotation by torques in the step is
   /// neglected.)
   template <class Store>
