@@ -15,6 +15,7 @@
 #include <talus/solver/substepping.hpp>
 #include <talus/world/world.hpp>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 using namespace talus;
@@ -215,11 +216,12 @@ TEST_CASE_TEMPLATE("a row with gaps passes an elastic impact on from sphere to s
 TEST_CASE_TEMPLATE(
     "elastic spheres keep their energy where impacts drive them into others within a step", Solver,
     nonlinear_gauss_seidel, coloured_gauss_seidel) {
-  for (const int ranks : {1, 3}) {
+  for (const auto& [ranks, seed] : {std::pair{1, 3}, {1, 4}, {1, 10}, {3, 4}}) {
     CAPTURE(ranks);
+    CAPTURE(seed);
     const outcome r = run<scene<Solver>>(ranks, 10, 1, 0, 120, [&](auto& w, auto) {
       const auto glass = w.material({.density = 1, .restitution = 1, .friction = 0});
-      random_stream random(4, 1);
+      random_stream random(seed, 1);
       const auto vector = [&](real most) {
         return random.uniform(vec3(-most, -most, -most), vec3(most, most, most));
       };
@@ -234,7 +236,8 @@ TEST_CASE_TEMPLATE(
     CHECK(r.highest < 1 + 1e-12);
     // The default solver strikes several contacts of a body with other ranks too weakly.
     const bool divides = ranks > 1 && !detail::solves_by_colours<Solver>;
-    CHECK(r.last > 1 - (divides ? 1e-2 : 1e-10));
+    // Two spheres that touch as they part, and are then struck, lose this motion.
+    CHECK(r.last > 1 - (divides ? 1e-2 : 1e-5));
   }
 }
 
