@@ -148,17 +148,19 @@ class pair_motion {
 
  private:
   /// The overlap from which on the normal of two bodies may point to the other side: the centre of
-  /// a sphere, or the axis of a capsule, enters the other body; else half of the thinner body.
+  /// a sphere, or the axis of a capsule, enters the other body; else half of the thinner body. It
+  /// is at most the size of the smaller one.
   [[nodiscard]] static real reversing_overlap(const ShapeA& a, const ShapeB& b) {
     constexpr bool round_a = has_round_ends<ShapeA>, round_b = has_round_ends<ShapeB>;
-    if constexpr (round_a && round_b)
-      return a.radius + b.radius;
-    else if constexpr (round_a)
-      return a.radius;
-    else if constexpr (round_b)
-      return b.radius;
-    else
+    if constexpr (!round_a && !round_b) {
       return std::min(inner_radius(a), inner_radius(b));
+    } else {
+      real overlap = 2 * std::min(a.bounding_radius(), b.bounding_radius());
+      if constexpr (!round_b) overlap = std::min(overlap, a.radius);
+      if constexpr (!round_a) overlap = std::min(overlap, b.radius);
+      if constexpr (round_a && round_b) overlap = std::min(overlap, a.radius + b.radius);
+      return overlap;
+    }
   }
   /// The straight path of a body from `at` in this step. (Rotation by torques in the step is
   /// neglected.)
