@@ -16,7 +16,7 @@ TEST_CASE("a small granular gas cools by Haff's law, on 1 and 4 ranks") {
   }
 }
 
-// So few grains have a bulk of some dozens, with an uncertainty of its density of 0.015: three
+// So few grains have a bulk of some dozens, with an uncertainty of its density of 0.025: three
 // piles.
 TEST_CASE("small poured piles are the less dense, the more friction") {
   real before = 0.66;
@@ -25,7 +25,7 @@ TEST_CASE("small poured piles are the less dense, the more friction") {
     for (const real height : {1.0, 1.4, 2.0}) {
       const auto p = pour(1000, friction, 4, 1, height);
       fraction += p.fraction / 3, contacts += p.contacts.mean / 3;
-      CHECK(p.fraction > 0.54);
+      CHECK(p.fraction > 0.52);
     }
     MESSAGE("mu ", friction, ": phi ", fraction, ", Z ", contacts);
     check_holds("packing, small", fmt::format("less dense with more friction, mu {}", friction),
