@@ -236,7 +236,7 @@ TEST_CASE_TEMPLATE(
     CHECK(r.highest < 1 + 1e-12);
     // The default solver strikes several contacts of a body with other ranks too weakly.
     const bool divides = ranks > 1 && !detail::solves_by_colours<Solver>;
-    // Two spheres that touch as they part, and are then struck, lose this motion.
+    // Some seeds lose up to 1.5e-6: in part spheres that touch as they part and are then struck.
     CHECK(r.last > 1 - (divides ? 1e-2 : 1e-5));
   }
 }
