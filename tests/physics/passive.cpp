@@ -216,7 +216,7 @@ TEST_CASE_TEMPLATE("a row with gaps passes an elastic impact on from sphere to s
 TEST_CASE_TEMPLATE(
     "elastic spheres keep their energy where impacts drive them into others within a step", Solver,
     nonlinear_gauss_seidel, coloured_gauss_seidel) {
-  for (const auto& [ranks, seed] : {std::pair{1, 3}, {1, 4}, {1, 10}, {3, 4}}) {
+  const auto lasts = [&](int ranks, int seed) {
     CAPTURE(ranks);
     CAPTURE(seed);
     const outcome r = run<scene<Solver>>(ranks, 10, 1, 0, 120, [&](auto& w, auto) {
@@ -236,9 +236,10 @@ TEST_CASE_TEMPLATE(
     CHECK(r.highest < 1 + 1e-12);
     // The default solver strikes several contacts of a body with other ranks too weakly.
     const bool divides = ranks > 1 && !detail::solves_by_colours<Solver>;
-    // Some seeds lose up to 1.5e-6: in part spheres that touch as they part and are then struck.
-    CHECK(r.last > 1 - (divides ? 1e-2 : 1e-5));
-  }
+    CHECK(r.last > 1 - (divides ? 2e-2 : 1e-10));
+  };
+  for (int seed = 1; seed <= 60; ++seed) lasts(1, seed);
+  for (int seed = 1; seed <= 4; ++seed) lasts(3, seed);
 }
 
 TEST_CASE_TEMPLATE("elastic spheres that fall on a floor keep their energy", Solver,

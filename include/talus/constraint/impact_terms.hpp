@@ -72,9 +72,11 @@ void meet_impacts(Contact& c, State& s) {
     const vec3 n = c.axis();
     const real approach = n.dot(c.relative_velocity(s)), least = c.slowest;
     if (s.stage == impact_stage::release) {
-      if (c.target_velocity != c.limit || !(c.limit < 0)) return;
+      if (c.target_velocity > c.limit || !(c.limit < 0)) return;
       const real other = approach - normal_mobility_at(c, s) * impulse_in_parts(c).normal.dot(n);
-      if (other < least) c.target_velocity += static_cast<decltype(c.target_velocity)>(8 * other);
+      if (other < least)  // further sweeps may drive the surfaces together faster
+        c.target_velocity = std::min(c.target_velocity,
+                                     static_cast<decltype(c.target_velocity)>(c.limit + 8 * other));
       return;
     }
     if (c.target_velocity > c.limit) hold_impulse(c);

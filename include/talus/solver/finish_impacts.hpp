@@ -8,7 +8,7 @@ namespace talus::detail {
 /// of them, sweep(k) for k = 0, 1, ..., until velocities on all ranks are exact to round-off.
 template <class State, class Ranks, class Sweep>
 void finish_impacts(State& s, const Ranks& ranks, Sweep&& sweep) {
-  constexpr int most_sweeps = 40;
+  constexpr int most_sweeps = 400;
   s.stage = impact_stage::release;
   auto before = s.bodies;
   for (int k = 0; k < most_sweeps; ++k) {

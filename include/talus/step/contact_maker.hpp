@@ -424,7 +424,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       set_conditions(c, want);
       s_.solver.impacts = s_.solver.impacts || want.target_velocity > 0;
     } else {
-      const real limit = waiting_.conditions.target_velocity[k];
+      real limit = waiting_.conditions.target_velocity[k];
+      if (strikes && between.restitution > 0) limit = limit_of(limit, of.approach[k], pull, s_.dt);
       set_conditions(c, {.target_velocity = limit,
                          .correction_rate = waiting_.conditions.correction_rate[k],
                          .friction = between.friction,

@@ -302,6 +302,9 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       const bool rebounds = between.restitution > 0 && batch_.approach[k] < -2 * pull[k] * s_.dt;
       next.friction[k] = between.friction;
       next.restitution[k] = strikes ? between.restitution : 0;
+      if (strikes && between.restitution > 0)
+        next.target_velocity[k] =
+            limit_of(next.target_velocity[k], batch_.approach[k], pull[k], s_.dt);
       next.limit[k] = next.target_velocity[k];
       next.slowest[k] = slowest_impact(next.limit[k], between.restitution, pull[k], s_.dt);
       if (!rebounds && !(between.dynamic_friction < between.friction)) continue;
