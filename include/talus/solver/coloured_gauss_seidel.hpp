@@ -67,12 +67,14 @@ struct coloured_gauss_seidel final {
         watch.look_again();
       }
       if (s.finishes && k == impacts.first())
-        detail::finish_impacts(s, ranks, [&](int) { sweep(); });
+        detail::finish_impacts(s, ranks, detail::impact_stage::release, [&](int) { sweep(); });
       s.stage = impacts.stage(k);
       sweep();
       joints.solve(s);
       watch.poll();
     }
+    if (s.finishes && s.stage == detail::impact_stage::strike)
+      detail::finish_impacts(s, ranks, detail::impact_stage::strike, [&](int) { sweep(); });
     s.stage = detail::impact_stage::none;
     joints.share_loads(lists, s);
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });

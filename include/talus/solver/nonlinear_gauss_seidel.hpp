@@ -80,8 +80,11 @@ struct nonlinear_gauss_seidel final {
       each([&](auto& list) { list.apply_boundary(s); });
     };
     // Sweeps before this one follow each other without anything between them.
-    const int plain =
-        watch.monitored() || s.impacts ? 0 : looks ? exact - 1 : settings.iterations;
+    const int plain = watch.monitored() || s.impacts ? 0 : looks ? exact - 1 : settings.iterations;
+    const auto sweep = [&](int j) {
+      relax_boundary();
+      joints.sweep(lists, s, j % 2 == 0, true, ranks);
+    };
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if (k < plain && (k > 0 || !settled) && groups::sweep(lists, s, k, plain)) {
@@ -93,11 +96,7 @@ struct nonlinear_gauss_seidel final {
         watch.look_again();
       }
       if (k == impacts.first()) {
-        if (s.finishes)
-          detail::finish_impacts(s, ranks, [&](int j) {
-            relax_boundary();
-            joints.sweep(lists, s, j % 2 == 0, true, ranks);
-          });
+        if (s.finishes) detail::finish_impacts(s, ranks, detail::impact_stage::release, sweep);
         if constexpr (!alone) ranks.before_strikes(), ranks.share_velocities();
       }
       s.stage = impacts.stage(k);
@@ -121,6 +120,8 @@ struct nonlinear_gauss_seidel final {
       }
       watch.poll();
     }
+    if (s.finishes && s.stage == detail::impact_stage::strike)
+      detail::finish_impacts(s, ranks, detail::impact_stage::strike, sweep);
     s.stage = detail::impact_stage::none;
     joints.share_loads(lists, s);
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });

@@ -14,7 +14,7 @@ namespace talus::detail {
 struct contact_conditions {
   real target_velocity = 0, correction_rate = 0, friction = 0;
   real restitution = 0;  ///< of an impact that strikes the contact in this step
-  real limit = 0;        ///< see limit_of()
+  real limit = 0;        ///< the target velocity that follows from the gap
   real slowest = 0;      ///< see slowest_impact()
 };
 
@@ -23,14 +23,6 @@ struct contact_conditions {
 /// besides.
 [[nodiscard]] inline real slowest_impact(real limit, real restitution, real pull, real dt) {
   return restitution > 0 ? std::min(limit, -3 * pull * dt / restitution) : limit;
-}
-
-/// The least velocity by which surfaces do not overlap, of a contact that may rebound. Surfaces
-/// that part faster than an acceleration of `pull` closes them again have a gap, however small,
-/// when an impact elsewhere drives them together: the limit of a gap is negative.
-[[nodiscard]] inline real limit_of(real by_gap, real un, real pull, real dt) {
-  constexpr real round_off = 1e-12;
-  return un > 2 * pull * dt ? std::min(by_gap, -round_off * un) : by_gap;
 }
 
 /// The part of the conditions that follows from the gap alone, of one contact or of several. Up to
@@ -103,10 +95,7 @@ template <class Law, bool Divided, class Fall>
                      Divided ? -pair.restitution * un : rebound(pair.restitution, un, gap, dt, a));
   // Without correction, an overlap that a strike leaves would stay.
   if constexpr (Law::restitution && Law::correction && !Divided) {
-    c.restitution = pair.restitution;
-    c.limit = by_gap.target_velocity;
-    if (c.restitution > 0 && un > 0)
-      c.target_velocity = c.limit = limit_of(by_gap.target_velocity, un, gravity, dt);
+    c.restitution = pair.restitution, c.limit = by_gap.target_velocity;
     c.slowest = slowest_impact(c.limit, c.restitution, gravity, dt);
   }
   if constexpr (Law::friction) {
@@ -117,6 +106,13 @@ template <class Law, bool Divided, class Fall>
     }
   }
   return c;
+}
+
+/// Without loads, surfaces that part have a gap, however small, when an impact elsewhere drives
+/// them together: their limit is negative. (Under loads the last strikes would leave overlaps.)
+inline void let_part(contact_conditions& c, real un) {
+  constexpr real round_off = 1e-12;
+  if (c.restitution > 0 && un > 0) c.target_velocity = c.limit = std::min(c.limit, -round_off * un);
 }
 
 }  // namespace talus::detail

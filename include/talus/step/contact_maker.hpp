@@ -45,8 +45,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   using wide = wide_pack<real>;
   static constexpr bool batched =
       paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
-  static constexpr bool strikes =
-      law::restitution && law::correction && !uses_substeps<typename Scenario::solver>;
+  static constexpr bool strikes = law::restitution && law::correction && !state_type::midpoint &&
+                                  !uses_substeps<typename Scenario::solver>;
   /// Contacts of spheres are computed several at a time, where only their motion counts.
   static constexpr bool packed =
       paired && std::is_same_v<ShapeA, sphere> && std::is_same_v<ShapeB, sphere> && !imaged &&
@@ -341,6 +341,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
         material(), g.normal, u, g.gap, s_.dt, pulled, [&] { return motion_.fall(i, j, g.normal); },
         creep(x.radius, s_.dt), s_.settings.correction);
+    if constexpr (strikes)
+      if (s_.solver.finishes) let_part(want, g.normal.dot(u));
     if (passing) let_pass(want, g.gap, g.normal.dot(u), pulled);
     const real rebound = want.target_velocity;
     if constexpr (state_type::continuous) {
@@ -413,19 +415,20 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
     const pair_material& between = materials_of(x);
     const real pull = waiting_.pull[k];
-    const bool rebounds = between.restitution > 0 && of.approach[k] < -2 * pull * s_.dt;
+    const bool fast =
+        between.restitution > 0 && (of.approach[k] < -2 * pull * s_.dt || s_.solver.finishes);
     const bool passing = (of.apart >> k & 1u) && passes(x, normal, gap);
-    if (rebounds || passing || between.dynamic_friction < between.friction) [[unlikely]] {
+    if (fast || passing || between.dynamic_friction < between.friction) [[unlikely]] {
       auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
           between, normal, lane(of.velocity, k), gap, s_.dt, pull,
           [&] { return motion_.fall(x.i, x.j, normal); }, creep(x.radius, s_.dt),
           s_.settings.correction);
+      if (strikes && s_.solver.finishes) let_part(want, of.approach[k]);
       if (passing) let_pass(want, gap, of.approach[k], pull);
       set_conditions(c, want);
       s_.solver.impacts = s_.solver.impacts || want.target_velocity > 0;
     } else {
-      real limit = waiting_.conditions.target_velocity[k];
-      if (strikes && between.restitution > 0) limit = limit_of(limit, of.approach[k], pull, s_.dt);
+      const real limit = waiting_.conditions.target_velocity[k];
       set_conditions(c, {.target_velocity = limit,
                          .correction_rate = waiting_.conditions.correction_rate[k],
                          .friction = between.friction,

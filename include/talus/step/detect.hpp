@@ -8,6 +8,7 @@
 #include "talus/pairs/search.hpp"
 #include "talus/state/hooks.hpp"
 #include "talus/state/joints.hpp"
+#include "talus/state/solved_velocity.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/contact_maker.hpp"
 #include "talus/step/kept_contacts.hpp"
@@ -48,6 +49,7 @@ template <class Scenario>
 void detect(world_state<Scenario>& s) {
   s.solver.rebounds = s.materials.rebounds();
   s.solver.impacts = s.solver.impacts_ended = false;
+  s.solver.finishes = finishes_impacts(s);
   s.each_contact_list([]<class List>(List& list) {
     if constexpr (!keeps_contacts_in<Scenario, List>()) list.clear();
   });

@@ -299,20 +299,22 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     for (unsigned k = 0; k < count; ++k) {
       const std::size_t i = sphere_of(a[k]), j = sphere_of(b[k]);
       const pair_material& between = materials_of(i, j);
-      const bool rebounds = between.restitution > 0 && batch_.approach[k] < -2 * pull[k] * s_.dt;
+      const bool fast = between.restitution > 0 &&
+                        (batch_.approach[k] < -2 * pull[k] * s_.dt || s_.solver.finishes);
       next.friction[k] = between.friction;
       next.restitution[k] = strikes ? between.restitution : 0;
-      if (strikes && between.restitution > 0)
-        next.target_velocity[k] =
-            limit_of(next.target_velocity[k], batch_.approach[k], pull[k], s_.dt);
       next.limit[k] = next.target_velocity[k];
       next.slowest[k] = slowest_impact(next.limit[k], between.restitution, pull[k], s_.dt);
-      if (!rebounds && !(between.dynamic_friction < between.friction)) continue;
+      if (!fast && !(between.dynamic_friction < between.friction)) continue;
       const vec3 normal = lane(batch_.normal, k);
-      const auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
+      auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
           between, normal, lane(batch_.velocity, k), batch_.gap[k], s_.dt, pull[k],
           [&] { return motion_.fall(i, j, normal); }, creep(a_.shape[i].radius, s_.dt),
           s_.settings.correction);
+      if constexpr (strikes) {
+        if (s_.solver.finishes) let_part(want, batch_.approach[k]);
+        next.limit[k] = want.limit;
+      }
       const bool strikes_now = want.target_velocity > 0 && !((batch_.apart >> k & 1u) && passes(k));
       s_.solver.impacts = s_.solver.impacts || strikes_now;
       next.target_velocity[k] = want.target_velocity;

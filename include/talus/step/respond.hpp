@@ -122,7 +122,6 @@ void solve_contacts(world_state<Scenario>& s) {
         each_of(lists, [&](auto& list) { list.limit_rebounds(s.solver); });
       }
   }
-  s.solver.finishes = finishes_impacts(s);
   if (presses(s)) s.each_contact_list([&](auto& list) { list.load_impulses(s.history); });
   constexpr bool alone = world_state<Scenario>::link_type::alone;
   if constexpr (coloured && !alone) foreign_contacts<Scenario>(s).share();
@@ -175,7 +174,7 @@ void store_impulses(world_state<Scenario>& s) {
 template <class Scenario>
 void respond(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::sleeps && !monitored<Scenario, energy_ledger>)
-    if (s.settings.tolerance == 0 && !s.by_colours() && !finishes_impacts(s) && all_rest(s))
+    if (s.settings.tolerance == 0 && !s.by_colours() && !s.solver.finishes && all_rest(s))
       return;  // no rank waits for this one
   gather_velocities(s);
   if constexpr (world_state<Scenario>::two_solvers)
