@@ -120,8 +120,10 @@ struct nonlinear_gauss_seidel final {
       }
       watch.poll();
     }
-    if (s.finishes && s.stage == detail::impact_stage::strike)
+    if (s.finishes && s.stage == detail::impact_stage::strike) {
+      if constexpr (!alone) ranks.share_velocities();
       detail::finish_impacts(s, ranks, detail::impact_stage::strike, sweep);
+    }
     s.stage = detail::impact_stage::none;
     joints.share_loads(lists, s);
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
