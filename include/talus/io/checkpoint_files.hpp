@@ -141,18 +141,20 @@ class checkpoint_files final : public checkpoint_hooks {
     between_ = std::clamp(steps, 1.0, double{most_steps_between_polls});
     next_poll_ = w_.steps() + static_cast<std::uint64_t>(between_);
   }
-  void after_observers(bool ends, bool stopped) override {
+  void after_observers() override {
     if (plan_.to.empty()) return;
     const int asked = std::exchange(asked_, nothing);
     const std::uint64_t now = w_.steps();
+    written_ = false;
     const bool late = plan_.out_of_time != nullptr && *plan_.out_of_time;
-    const bool due = late || (plan_.every > 0 && now % plan_.every == 0) || now == plan_.last ||
-                     stopped || (ends && now > plan_.last);
+    const bool due = late || (plan_.every > 0 && now % plan_.every == 0);
     if (!due && asked == nothing) return;
-    write_checkpoint_file(w_, plan_.to, plan_.force);
-    heard_write_ = heard_signals().write;  // other ranks may have received it a step later
-    if (asked > end_by) throw ended_early{w_.steps(), asked - end_by};
-    if (late) throw ended_early{w_.steps(), 0, ended_early::cause::time_limit};
+    save();
+    if (asked > end_by) throw ended_early{now, asked - end_by};
+    if (late) throw ended_early{now, 0, ended_early::cause::time_limit};
+  }
+  void finish() override {
+    if (!written_) save();
   }
   [[nodiscard]] bool writes(const std::string& file) const override {
     return lock_ && lock_->is_of(file);
@@ -194,6 +196,11 @@ class checkpoint_files final : public checkpoint_hooks {
   [[nodiscard]] static std::string counted_calls(std::uint64_t calls) {
     return compose("{} call{}", calls, calls == 1 ? "" : "s");
   }
+  void save() {
+    write_checkpoint_file(w_, plan_.to, plan_.force);
+    written_ = true;
+    heard_write_ = heard_signals().write;  // other ranks may have received it a step later
+  }
   [[gnu::cold]] void take_lock(bool replaces) {
     lock_.emplace(plan_.to, "the checkpoint " + plan_.to);
     if (replaces && plan_.from != plan_.to && plan_.tell && !plan_.quiet)
@@ -234,6 +241,7 @@ class checkpoint_files final : public checkpoint_hooks {
   bool polling_ = false;
   double between_ = 1;  ///< steps from the last poll to the next
   int asked_ = nothing;
+  bool written_ = true;  ///< the present state, or no step was made
 };
 
 }  // namespace talus::detail

@@ -127,7 +127,6 @@ void attach_checkpoints(world<Scenario>& w, const Options& options, run_log& log
       checkpoint_plan plan;
       plan.to = options.checkpoint;
       plan.every = options.checkpoint_every;
-      plan.last = options.steps;
       plan.from = options.restart;
       plan.force = options.force;
       plan.quiet = options.quiet;
@@ -272,6 +271,8 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
     else
       own = set_up(w, options);
     w.require_restarted();
+    if constexpr (Scenario::template has_feature<checkpoints>)
+      if (const auto& hooks = checkpoint_access::keeper(w).hooks) hooks->finish();
   } catch (const ended_early& end) {
     if (end.why == ended_early::cause::dry_run) {
       if (speaks) log.print(to_text(estimate, "the calls after these are not tried"));

@@ -289,9 +289,9 @@ class passivity {
       });
     });
   }
-  /// Sweeps again where islands gain energy from boundary contacts, which are not scaled here.
-  /// Interior contacts cannot take up all gains: those of a body without interior contacts, none.
-  /// Large islands get at most half as many sweeps as the solver makes.
+  /// Sweeps again where islands gain too much energy from boundary contacts. Interior contacts
+  /// cannot take up all gains: those of a body without interior contacts, none. Large islands get
+  /// at most half as many sweeps as the solver makes.
   void sweep_while_it_helps() {
     real last = std::numeric_limits<real>::infinity();
     std::size_t left = 0;
@@ -301,7 +301,7 @@ class passivity {
       add_up_islands();
       real gained = 0;
       for (const impulse_work& w : s_.passive.works)
-        if (w.shared && w.adds_energy()) gained += std::min(w.work, w.work + w.rise);
+        if (w.adds_energy()) gained += std::min(w.work, w.work + w.rise);
       found_ = gained > 0 && gained < real(1 - 1e-3) * last;
       last = gained;
       if (!found_) return;
@@ -317,9 +317,7 @@ class passivity {
     each_list([&](auto& list) {
       list.edit_interior_contacts([&](auto& c) {
         const auto gains = [&](std::int32_t body) {
-          if (!moves(body)) return false;
-          const impulse_work& w = island_of(static_cast<std::size_t>(body));
-          return w.shared && w.adds_energy();
+          return moves(body) && island_of(static_cast<std::size_t>(body)).adds_energy();
         };
         if (!gains(c.a) && !gains(c.b)) return;
         ++solved;

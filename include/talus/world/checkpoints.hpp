@@ -53,8 +53,9 @@ struct checkpoint_hooks {
   virtual restart_plan begin(const simulation& s) = 0;
   virtual void before_step() = 0;
   virtual void after_step() = 0;
-  /// `ends`: this call of simulate() makes no further step; `stopped`: by a condition.
-  virtual void after_observers(bool ends, bool stopped) = 0;
+  virtual void after_observers() = 0;
+  /// After the last call of simulate(): writes the state, unless its file is of this step.
+  virtual void finish() = 0;
   /// Whether the run writes its state to that file. On rank 0 alone.
   [[nodiscard]] virtual bool writes(const std::string& file) const = 0;
   /// Throws runtime_error if simulate() has not reached the step of the file.
@@ -179,7 +180,6 @@ struct keeps_nothing {};
 struct checkpoint_plan {
   std::string to;          ///< file to write; empty: none
   std::size_t every = 0;   ///< steps between checkpoints; 0: on signals and at the end
-  std::uint64_t last = 0;  ///< the step after which the run ends, if known
   std::string from;        ///< file to continue from; empty: none
   bool force = false;      ///< also replaces a file that is not a checkpoint
   bool quiet = false;      ///< no message when it replaces a checkpoint
