@@ -164,6 +164,35 @@ TEST_CASE("a restart in any stage gives the bits of a run without interruption")
   }
 }
 
+TEST_CASE("a run without signals writes its checkpoint once, after the last call of simulate()") {
+  for (const int part : {5, 60}) {  // --steps 50: less and more than the calls make
+    CAPTURE(part);
+    const scratch files;
+    std::uint64_t at_second = 1;
+    const auto set_up = [&](auto& world, const auto& options) {
+      world.decompose({.lower = -2, .upper = 2});
+      const auto stone = world.material({.density = 2, .stiffness = 1e4});
+      world.add_if_local(body{.shape = sphere{0.5}, .material = stone, .velocity = {0.1, 0, 0}});
+      world.simulate({.steps = static_cast<std::size_t>(part), .dt = options.dt});
+      at_second = access(files.file.c_str(), F_OK) == 0 ? 1 : 0;
+      world.simulate({.steps = static_cast<std::size_t>(part), .dt = options.dt});
+    };
+    CHECK(program(files, {"--steps", "50", "--dt", "1e-3"}, set_up).code == 0);
+    CHECK(at_second == 0);
+    CHECK(access(files.file.c_str(), F_OK) == 0);
+    std::uint64_t restarted_at = 0, steps = 0;
+    const auto again = [&](auto& world, const auto& options) {
+      set_up(world, options);
+      restarted_at = world.restarted_at(), steps = world.steps();
+    };
+    const ended second =
+        program(files, {"--steps", "50", "--dt", "1e-3", "--restart", files.file}, again);
+    CHECK_MESSAGE(second.code == 0, second.said);
+    CHECK(restarted_at == steps);
+    CHECK(steps == static_cast<std::uint64_t>(2 * part));
+  }
+}
+
 TEST_CASE("what looks at the bodies of the set-up in a restart is refused, with its place") {
   const scratch files;
   const auto two_stages = [&](auto&& between, std::vector<std::string> more) {

@@ -178,11 +178,11 @@ struct keeps_nothing {};
 
 /// The checkpoint files of a run.
 struct checkpoint_plan {
-  std::string to;          ///< file to write; empty: none
-  std::size_t every = 0;   ///< steps between checkpoints; 0: on signals and at the end
-  std::string from;        ///< file to continue from; empty: none
-  bool force = false;      ///< also replaces a file that is not a checkpoint
-  bool quiet = false;      ///< no message when it replaces a checkpoint
+  std::string to;         ///< file to write; empty: none
+  std::size_t every = 0;  ///< steps between checkpoints; 0: on signals and at the end
+  std::string from;       ///< file to continue from; empty: none
+  bool force = false;     ///< also replaces a file that is not a checkpoint
+  bool quiet = false;     ///< no message when it replaces a checkpoint
   std::function<void(const std::string&)> tell;    ///< takes a message for the user, on rank 0
   std::function<void(std::uint64_t)> restarted{};  ///< takes the step of the file, when it is read
   std::string configuration{};  ///< of the run, to be written; alike on all ranks
