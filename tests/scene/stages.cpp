@@ -164,7 +164,7 @@ TEST_CASE("a restart in any stage gives the bits of a run without interruption")
   }
 }
 
-TEST_CASE("a run without signals writes its checkpoint once, after the last call of simulate()") {
+TEST_CASE("a run without signals writes its checkpoint at the ends of calls from --steps on") {
   for (const int part : {5, 60}) {  // --steps 50: less and more than the calls make
     CAPTURE(part);
     const scratch files;
@@ -178,7 +178,7 @@ TEST_CASE("a run without signals writes its checkpoint once, after the last call
       world.simulate({.steps = static_cast<std::size_t>(part), .dt = options.dt});
     };
     CHECK(program(files, {"--steps", "50", "--dt", "1e-3"}, set_up).code == 0);
-    CHECK(at_second == 0);
+    CHECK(at_second == (part < 50 ? 0 : 1));
     CHECK(access(files.file.c_str(), F_OK) == 0);
     std::uint64_t restarted_at = 0, steps = 0;
     const auto again = [&](auto& world, const auto& options) {

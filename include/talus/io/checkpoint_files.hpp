@@ -141,13 +141,14 @@ class checkpoint_files final : public checkpoint_hooks {
     between_ = std::clamp(steps, 1.0, double{most_steps_between_polls});
     next_poll_ = w_.steps() + static_cast<std::uint64_t>(between_);
   }
-  void after_observers() override {
+  void after_observers(bool ends) override {
     if (plan_.to.empty()) return;
     const int asked = std::exchange(asked_, nothing);
     const std::uint64_t now = w_.steps();
     written_ = false;
     const bool late = plan_.out_of_time != nullptr && *plan_.out_of_time;
-    const bool due = late || (plan_.every > 0 && now % plan_.every == 0);
+    const bool due =
+        late || (plan_.every > 0 && now % plan_.every == 0) || (ends && now >= plan_.last);
     if (!due && asked == nothing) return;
     save();
     if (asked > end_by) throw ended_early{now, asked - end_by};

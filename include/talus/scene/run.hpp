@@ -127,6 +127,7 @@ void attach_checkpoints(world<Scenario>& w, const Options& options, run_log& log
       checkpoint_plan plan;
       plan.to = options.checkpoint;
       plan.every = options.checkpoint_every;
+      plan.last = options.steps;
       plan.from = options.restart;
       plan.force = options.force;
       plan.quiet = options.quiet;

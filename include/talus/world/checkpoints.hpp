@@ -53,7 +53,8 @@ struct checkpoint_hooks {
   virtual restart_plan begin(const simulation& s) = 0;
   virtual void before_step() = 0;
   virtual void after_step() = 0;
-  virtual void after_observers() = 0;
+  /// `ends`: this call of simulate() makes no further step.
+  virtual void after_observers(bool ends) = 0;
   /// After the last call of simulate(): writes the state, unless its file is of this step.
   virtual void finish() = 0;
   /// Whether the run writes its state to that file. On rank 0 alone.
@@ -178,11 +179,12 @@ struct keeps_nothing {};
 
 /// The checkpoint files of a run.
 struct checkpoint_plan {
-  std::string to;         ///< file to write; empty: none
-  std::size_t every = 0;  ///< steps between checkpoints; 0: on signals and at the end
-  std::string from;       ///< file to continue from; empty: none
-  bool force = false;     ///< also replaces a file that is not a checkpoint
-  bool quiet = false;     ///< no message when it replaces a checkpoint
+  std::string to;          ///< file to write; empty: none
+  std::size_t every = 0;   ///< steps between checkpoints; 0: on signals and at the end
+  std::uint64_t last = 0;  ///< the step after which the run ends, if known
+  std::string from;        ///< file to continue from; empty: none
+  bool force = false;      ///< also replaces a file that is not a checkpoint
+  bool quiet = false;      ///< no message when it replaces a checkpoint
   std::function<void(const std::string&)> tell;    ///< takes a message for the user, on rank 0
   std::function<void(std::uint64_t)> restarted{};  ///< takes the step of the file, when it is read
   std::string configuration{};  ///< of the run, to be written; alike on all ranks

@@ -195,7 +195,7 @@ void world<Scenario>::simulate(const simulation& s) {
     call(writers_, clock);
     if constexpr (keeps)
       if (hooks != nullptr) {
-        hooks->after_observers();
+        hooks->after_observers(stopped_ || k + 1 == steps);
         clock.lap(number_of_checkpoints);
       }
     if (stopped_) break;
