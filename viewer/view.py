@@ -66,7 +66,9 @@ def add_table(head, table):
 
 def require_replaceable(path, force):
     """Stops unless the file is absent, empty or a page of talus. With --force it may be another file or a symbolic link,
-    but never a folder, a device, a pipe or a socket: as talus::detail::inspect_target of programs."""
+    but never a folder, a device, a pipe, a socket or the name of a stream: as talus::detail::inspect_target of programs."""
+    if os.path.normpath(path).startswith(("/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/self/fd/")):
+        sys.exit(f"view: {path} is a stream of this program, which a page must not replace: name a file")
     try:
         mode = os.lstat(path).st_mode
     except OSError:

@@ -1,10 +1,19 @@
 """What a sweep says while it goes on."""
+import os
 import sys
 import time
 
 
+def write(text):
+    """Writes to standard error. What cannot be written ends no run: from then on nothing is said."""
+    try:
+        print(text, end="", file=sys.stderr, flush=True)
+    except OSError:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")
+
+
 def say(words):
-    print(f"sweep: {words}", file=sys.stderr, flush=True)
+    write(f"sweep: {words}\n")
 
 
 def duration(seconds):
@@ -45,8 +54,8 @@ class Progress:
                      (f", {self.failed} failed" if self.failed else "") +
                      f", {duration(time.monotonic() - self.began)}" +
                      (f", {duration(left)} left" if left is not None else ""))
-            print(f"\rsweep: {words} \x1b[K", end="", file=sys.stderr, flush=True)
+            write(f"\rsweep: {words} \x1b[K")
 
     def clear(self):
         if self.shown:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+            write("\r\x1b[K")

@@ -214,6 +214,10 @@ shared() {
     done
     sleep 0.2
     expect 1 "$file" "is being written by another run (process $pid on " -- "$program" --quiet --steps 5 $option ./$file
+    # The contacts of the one output would be the bodies of the other.
+    [[ $option != --output ]] ||
+      expect 1 "${file}_contacts.hdf.series is being written by another run (process $pid on " -- \
+        "$program" --quiet --steps 5 --output ${file}_contacts
     kill -KILL $pid
     wait $pid || true
     local left=$file.part-abc123

@@ -449,6 +449,15 @@ class Worlds(unittest.TestCase):
         self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 5)
         self.assertEqual(world.step(1), 1)
 
+    def test_a_fork_ends_as_usual_while_worlds_are_open(self):
+        for end in ("sys.exit(6)", "del world; sys.exit(6)", "world = None; drop.World().step(1); sys.exit(6)"):
+            told = subprocess.run([sys.executable, "-c", f"import os, sys; sys.path.insert(0, {MODULES!r})\n"
+                                   "import drop\nworld = drop.World()\nworld.step(3)\nchild = os.fork()\n"
+                                   f"if child == 0: {end}\n"
+                                   "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), world.step(1))\n"],
+                                  capture_output=True, text=True, timeout=60)
+            self.assertEqual((told.returncode, told.stdout, told.stderr), (0, "6 1\n", ""), end)
+
     def test_python_ends_without_a_word_while_worlds_are_open(self):
         told = subprocess.run([sys.executable, "-c", f"import sys; sys.path.insert(0, {MODULES!r})\n"
                                "import drop\nworld = drop.World()\nworld.step(3)\nkept = world.positions\n"

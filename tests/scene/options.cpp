@@ -1,6 +1,9 @@
 #include "talus/scene/options.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <array>
 
 using namespace talus;
 
@@ -229,6 +232,21 @@ TEST_CASE("values that make no sense are refused") {
   CHECK(
       refusal({"--json", "./x.config.toml", "--csv", "x"}) ==
       "--json ./x.config.toml is the name of the configuration beside --csv: give it another one");
+  for (const auto& [option, value, name, what, other] :
+       {std::array{"--checkpoint", "x", "./x.lock", "the lock of --checkpoint", "--csv"},
+        std::array{"--output", "x", "x_contacts.hdf.series", "an index of --output", "--json"},
+        std::array{"--output", ".//x.hdf", "x_surfaces.hdf.series.lock", "the lock of --output",
+                   "--view"},
+        std::array{"--output", "x", "x_joints_0000000010.hdf", "a file of --output", "--log"},
+        std::array{"--output", "x", "x_0000000010.hdf", "a file of --output", "--restart"},
+        std::array{"--frames", "d/", "d/./frame_00003.pov", "a picture of --frames", "--json"}})
+    CHECK(refusal({option, value, other, name}) ==
+          fmt::format("{} {} is the name of {}: give it another one", other, name, what));
+  CHECK(refusal({"--frames", "d", "--json", "d/"}) ==
+        "--json and --frames name the same file, d/: give each its own");
+  for (const char* name : {"x", "x.hdf", "x_0000000010", "x_walls_0000000010.hdf", "y/x.hdf.series"})
+    CHECK(parse_words({"--output", "x", "--json", name}).json == name);
+  CHECK(parse_words({"--restart", "x", "--checkpoint", "./x"}).restart == "x");
   CHECK(refusal({"--every", "100"}) == "--every needs --frames DIR; see --help");
   CHECK(refusal({"--csv-every", "0"}) == "--csv-every must be at least 1, but is 0; see --help");
   CHECK(refusal({"--steps", "1", "--steps", "2"}) == "--steps is given twice; see --help");

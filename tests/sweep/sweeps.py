@@ -205,6 +205,14 @@ class Sweeps(unittest.TestCase):
         self.assertEqual([r["status"] for r in self.rows()], ["done", "done"])
         self.assertEqual(len(self.started()), 3)
 
+    def test_progress_that_cannot_be_written_ends_no_sweep(self):
+        words = ["--vary", "friction=0.2,0.4"]
+        with open("/dev/full", "w") as full:
+            told = subprocess.run(self.command(*words), env=self.environment, cwd=self.work, stderr=full, timeout=60)
+        self.assertEqual(told.returncode, 0)
+        self.assertEqual([r["status"] for r in self.rows()], ["done", "done"])
+        self.assertEqual(len(self.started()), 2)
+
     def test_the_script_for_slurm_makes_each_run_once_and_names_the_collection(self):
         said = self.sweep("--vary", "friction=0.2,0.4,0.6", "--slurm", "--time", "00:10:00", "--jobs", "2")
         script = self.work / "out" / "sweep.sh"

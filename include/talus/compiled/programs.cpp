@@ -23,6 +23,7 @@
 #include "talus/scene/detail/command_line_definitions.hpp"
 #include "talus/scene/detail/run_guard_definitions.hpp"
 #include "talus/scene/detail/settings_definitions.hpp"
+#include "talus/scene/detail/shared_names_definitions.hpp"
 #include "talus/scene/dry_run_definitions.hpp"
 #include "talus/scene/lattice_definitions.hpp"
 #include "talus/scene/option_groups_definitions.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// Existing files at the place of a series of numbered files.
+// The names of the files of --output, and existing files at the place of a series of numbered files.
 #include <dirent.h>
 
 #include <cstddef>
@@ -10,6 +10,23 @@
 #include "talus/core/output_file.hpp"
 
 namespace talus::detail {
+
+inline constexpr const char* vtk_extension = ".hdf";
+/// Ends of the names of the series of --output: bodies, contacts, joints and surfaces.
+inline constexpr const char* ends_of_output[] = {"", "_contacts", "_joints", "_surfaces"};
+
+/// The name without the extension of an output.
+[[nodiscard, gnu::cold]] inline std::string output_name(std::string name) {
+  for (const std::string_view end : {std::string_view(".series"), std::string_view(vtk_extension)})
+    if (name.size() > end.size() && std::string_view(name).substr(name.size() - end.size()) == end)
+      name.erase(name.size() - end.size());
+  return name;
+}
+/// The index of a series of --output.
+[[nodiscard, gnu::cold]] inline std::string index_of_output(const std::string& name,
+                                                            std::string_view end) {
+  return name + std::string(end) + vtk_extension + ".series";
+}
 
 /// Checks all files BEGIN<digits>END; `begin` contains the folder. Throws runtime_error, with
 /// `what` before the file, if one must not be replaced. Returns how many would be replaced. Files

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
-#include <memory>
+#include <list>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -35,8 +35,6 @@ struct vtk_content {
 };
 
 namespace detail {
-
-inline constexpr const char* vtk_extension = ".hdf";
 
 template <class Scenario>
 void write_vtk_bodies(world<Scenario>& w, checkpoint_team& team, const std::string& file,
@@ -82,25 +80,18 @@ struct vtk_block {
 };
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::vector<vtk_block<Scenario>> vtk_blocks(const vtk_content& content) {
-  std::vector<vtk_block<Scenario>> all{{"", write_vtk_bodies<Scenario>},
-                                       {"_contacts", write_vtk_contacts<Scenario>}};
-  if constexpr (Scenario::joints::size > 0) all.push_back({"_joints", write_vtk_joints<Scenario>});
+  const auto& [bodies, contacts, joints, surfaces] = ends_of_output;
+  std::vector<vtk_block<Scenario>> all{{bodies, write_vtk_bodies<Scenario>},
+                                       {contacts, write_vtk_contacts<Scenario>}};
+  if constexpr (Scenario::joints::size > 0) all.push_back({joints, write_vtk_joints<Scenario>});
   if constexpr (has_surfaces<Scenario>) {
-    if (content.surfaces) all.push_back({"_surfaces", write_vtk_surfaces<Scenario>});
+    if (content.surfaces) all.push_back({surfaces, write_vtk_surfaces<Scenario>});
   } else if (content.surfaces) {
     throw std::invalid_argument(
         "an output has no surfaces where all bodies are spheres or planes: leave surfaces out, and "
         "draw the points of the output as spheres of their radius");
   }
   return all;
-}
-
-/// The name without the extension of an output.
-[[nodiscard, gnu::cold]] inline std::string output_name(std::string name) {
-  for (const std::string_view end : {".series", vtk_extension})
-    if (name.size() > end.size() && std::string_view(name).substr(name.size() - end.size()) == end)
-      name.erase(name.size() - end.size());
-  return name;
 }
 
 }  // namespace detail
@@ -138,9 +129,8 @@ class vtk_series {
       : w_(w), name_(detail::output_name(name)), goes_on_(goes_on), force_(what.force) {
     w.require_all_ranks("vtk_series", false);
     for (const auto& block : detail::vtk_blocks<Scenario>(what))
-      parts_.push_back(
-          {block, detail::series_index(
-                      name_ + block.end_of_name + detail::vtk_extension + ".series", force_)});
+      parts_.push_back({block, detail::series_index(
+                                   detail::index_of_output(name_, block.end_of_name), force_)});
     detail::team_over team(w.link());
     team.together([&] {
       if (w.rank() != 0) return;
@@ -157,15 +147,11 @@ class vtk_series {
                                      detail::vtk_extension, detail::vtk_output_file, force_,
                                      [&](const std::string& file) { return lists(file); });
       }
-      const std::string first = name_ + detail::vtk_extension + ".series";
-      lock_ = std::make_shared<detail::run_lock>(first, "the output " + first);
-      for (const part& p : parts_) {
-        const std::string begin = name_ + p.block.end_of_name;
-        lock_->remove_left_over(begin + detail::vtk_extension + ".series");
-        lock_->remove_left_over(begin + "_", detail::vtk_extension);
-      }
+      for (const part& p : parts_) lock(p.block.end_of_name);
       // A series that is not continued would list files of another run, or beyond the present step.
-      const std::string surfaces = name_ + "_surfaces" + detail::vtk_extension + ".series";
+      const char* const end = detail::ends_of_output[3];
+      const std::string surfaces = detail::index_of_output(name_, end);
+      if (!what.surfaces) lock(end);
       if (!what.surfaces && detail::inspect_target(surfaces, detail::series_output, false).replaces)
         std::remove(surfaces.c_str());
       if (!goes_on)
@@ -218,6 +204,12 @@ class vtk_series {
     detail::vtk_block<Scenario> block;
     detail::series_index index;
   };
+  /// Locks one index: that of the contacts, say, may be that of another run's bodies.
+  void lock(const char* end_of_name) {
+    const std::string index = detail::index_of_output(name_, end_of_name);
+    locks_.emplace_back(index, "the output " + index)
+        .remove_left_over(name_ + end_of_name + "_", detail::vtk_extension);
+  }
   [[nodiscard]] static std::string without_folder(const std::string& file) {
     return file.substr(file.find_last_of('/') + 1);
   }
@@ -230,8 +222,8 @@ class vtk_series {
   }
   world<Scenario>& w_;
   std::string name_;
-  std::shared_ptr<detail::run_lock> lock_;  ///< on rank 0
-  std::vector<std::string> listed_;         ///< on rank 0
+  std::list<detail::run_lock> locks_;  ///< on rank 0
+  std::vector<std::string> listed_;    ///< on rank 0
   std::vector<part> parts_;
   bool goes_on_, force_, replaces_ = false;
   std::optional<std::uint64_t> last_;

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
@@ -34,6 +35,7 @@ class scene_thread {
 
   /// Starts the function; returns when it yields or ends.
   void start(std::function<void()> main, const poll_type& poll) {
+    turns_ = std::make_unique<turns>();
     turn_ = turn::scene;
     process_ = ::getpid();
     thread_ = std::thread([this, main = std::move(main)] {
@@ -44,11 +46,11 @@ class scene_thread {
       } catch (...) {
         error = std::current_exception();
       }
-      const std::lock_guard lock(mutex_);
+      const std::lock_guard lock(turns_->mutex);
       error_ = std::exchange(closing_, true) ? nullptr : error;
       ended_ = true;
       turn_ = turn::caller;
-      changed_.notify_all();
+      turns_->changed.notify_all();
     });
     wait(poll);
   }
@@ -71,13 +73,14 @@ class scene_thread {
   /// Ends the function: yield() throws scene_closed in it. Afterwards the thread is gone.
   void close() {
     if (!thread_.joinable()) return;
-    if (!here()) {  // a fork has no copy of the thread
+    if (!here()) {  // a fork has no copy of the thread, which may hold the mutex or wait there
       thread_.detach();
+      (void)turns_.release();  // the end of a condition variable waits for its waiters
       return;
     }
     if (!ended_) {
       {
-        const std::lock_guard lock(mutex_);
+        const std::lock_guard lock(turns_->mutex);
         closing_ = true;
       }
       hand_over();
@@ -95,12 +98,12 @@ class scene_thread {
 
   /// Called by the function: suspends it until the caller resumes it. Throws scene_closed.
   void yield() {
-    std::unique_lock lock(mutex_);
+    std::unique_lock lock(turns_->mutex);
     for (;;) {
       if (closing_) throw scene_closed();
       turn_ = turn::caller;
-      changed_.notify_all();
-      changed_.wait(lock, [&] { return turn_ == turn::scene; });
+      turns_->changed.notify_all();
+      turns_->changed.wait(lock, [&] { return turn_ == turn::scene; });
       if (closing_) throw scene_closed();
       if (!job_) return;
       lock.unlock();
@@ -115,28 +118,32 @@ class scene_thread {
 
  private:
   enum class turn { caller, scene };
+  /// How the two threads take turns.
+  struct turns {
+    std::mutex mutex;
+    std::condition_variable changed;
+  };
 
   void hand_over() {
     if (!here())
       throw std::runtime_error(
           "this world belongs to the process that made it, and a fork cannot use it: make a world "
           "in each process");
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(turns_->mutex);
     turn_ = turn::scene;
-    changed_.notify_all();
+    turns_->changed.notify_all();
   }
   void wait(const poll_type& poll) {
-    std::unique_lock lock(mutex_);
+    std::unique_lock lock(turns_->mutex);
     const auto mine = [&] { return turn_ == turn::caller; };
-    while (!changed_.wait_for(lock, std::chrono::milliseconds(100), mine)) {
+    while (!turns_->changed.wait_for(lock, std::chrono::milliseconds(100), mine)) {
       lock.unlock();
       if (poll) poll();
       lock.lock();
     }
   }
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  std::unique_ptr<turns> turns_;
   turn turn_ = turn::caller;
   bool closing_ = false, ended_ = false;
   ::pid_t process_ = 0;  ///< that started the thread

@@ -9,7 +9,6 @@
 #include "talus/concepts.hpp"
 #include "talus/scene/command_line.hpp"
 #include "talus/scene/option_groups.hpp"
-#include "talus/scene/run_outputs.hpp"
 #include "talus/scene/settings_file.hpp"
 
 namespace talus {

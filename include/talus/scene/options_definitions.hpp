@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "talus/core/linkage.hpp"
+#include "talus/scene/detail/shared_names.hpp"
 #include "talus/scene/options.hpp"
 
 namespace talus {
@@ -140,29 +141,10 @@ TALUS_INLINE void options::describe(command_line& cli) {
       throw usage_error("--max-iterations needs --tolerance; see --help");
     needs(output, "--output-every", "--output NAME");
     for (const char* name : {"--view-every", "--view-contacts"}) needs(view, name, "--view FILE");
-    detail::refuse_shared_files({{"--view", view}, {"--json", json}});
-    detail::refuse_shared_files({{"--view", view}, {"--csv", csv}});
-    detail::refuse_shared_files({{"--view", view}, {"--log", log}});
-    detail::refuse_shared_files({{"--view", view}, {"--checkpoint", checkpoint}});
-    detail::refuse_shared_files({{"--view", view}, {"--restart", restart}});
-    detail::refuse_shared_files(
-        {{"--json", json}, {"--csv", csv}, {"--checkpoint", checkpoint}, {"--log", log}});
-    detail::refuse_shared_files(
-        {{"--json", json}, {"--csv", csv}, {"--restart", restart}, {"--log", log}});
-    const std::pair<const char*, const std::string&> files[] = {{"--json", json},
-                                                                {"--csv", csv},
-                                                                {"--view", view},
-                                                                {"--log", log},
-                                                                {"--checkpoint", checkpoint},
-                                                                {"--output", output},
-                                                                {"--frames", frames}};
-    for (const auto& [name, file] : files)
-      for (const auto& [other, beside] : files)
-        if (!beside.empty() &&
-            detail::plain_name(file) == std::string(detail::plain_name(beside)) + ".config.toml")
-          throw usage_error(detail::compose(
-              "{} {} is the name of the configuration beside {}: give it another one", name, file,
-              other));
+    const detail::named_file files[] = {
+        {"--view", view},       {"--json", json}, {"--csv", csv},       {"--checkpoint", checkpoint},
+        {"--restart", restart}, {"--log", log},   {"--output", output}, {"--frames", frames}};
+    detail::refuse_shared_names(files);
     if (output.empty() && output_surfaces)
       throw usage_error("--output-surfaces needs --output NAME; see --help");
     if (!colour.empty() && colour != "rank" && colour != "speed" && colour != "material")

@@ -1,39 +1,15 @@
 #pragma once
 // Checks of output files before a run writes its results, its time series, and other outputs.
 #include <cerrno>
-#include <initializer_list>
 #include <list>
 #include <string>
-#include <string_view>
-#include <utility>
 
 #include "talus/core/error.hpp"
 #include "talus/core/output_file.hpp"
 #include "talus/core/run_lock.hpp"
 #include "talus/io/output_kinds.hpp"
-#include "talus/scene/command_line.hpp"
 
 namespace talus::detail {
-
-/// The name of a file without `./` before it.
-[[nodiscard, gnu::cold]] inline std::string_view plain_name(std::string_view file) {
-  while (file.starts_with("./")) {
-    file.remove_prefix(2);
-    while (file.starts_with('/')) file.remove_prefix(1);
-  }
-  return file;
-}
-
-/// Throws usage_error if two options name one file.
-[[gnu::cold]] inline void refuse_shared_files(
-    std::initializer_list<std::pair<const char*, std::string_view>> files) {
-  for (const auto* a = files.begin(); a != files.end(); ++a)
-    for (const auto* b = a + 1; b != files.end(); ++b)
-      if (!a->second.empty() && plain_name(a->second) == plain_name(b->second) &&
-          !is_stream(std::string(a->second)))
-        throw usage_error(compose("{} and {} name the same file, {}: give each its own", a->first,
-                                  b->first, std::string(a->second)));
-}
 
 /// Checks one option on rank 0: throws runtime_error if its file must not be replaced or cannot be
 /// written. Returns true if a file of its kind exists.
