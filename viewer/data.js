@@ -126,12 +126,16 @@ class run_data {
   name_of_material(k) {
     return this.materials[k]?.name || "material " + k;
   }
-  // The numbers of the materials in the table: of movable bodies, and of walls if they have a colour.
+  // The numbers of the materials in the table, and after them -1 - k for each material k of walls that
+  // has no colour of its own: such walls are grey.
   materials_in_use() {
-    const t = this.table, used = new Set();
-    for (let r = 0; r < t.length; ++r)
-      if (!(t.flags[r] & 1) || this.materials[t.material[r]]?.colour) used.add(t.material[r]);
-    return [...used].sort((a, b) => a - b);
+    const t = this.table, used = new Set(), grey = new Set();
+    for (let r = 0; r < t.length; ++r) {
+      const k = t.material[r];
+      if (t.flags[r] & 1 && !this.materials[k]?.colour) grey.add(-1 - k);
+      else used.add(k);
+    }
+    return [...[...used].sort((a, b) => a - b), ...[...grey].sort((a, b) => b - a)];
   }
   // Least and largest size of the movable bodies.
   sizes() {

@@ -43,6 +43,9 @@ const figures = [
   { title: "Normal force", unit: "M L/T²", names: { normal_force_mean: "mean", normal_force_max: "largest" } },
 ];
 
+// A dimension in the units that the program names.
+const in_units = (dimension, units) => dimension.replace(/\b[MLT]\b/g, (letter) => units?.[letter] || letter);
+
 class plot {
   constructor(parent, { title, unit, log }, times, lines) {
     Object.assign(this, { times, lines });
@@ -145,13 +148,14 @@ function draw_plots(parent, run) {
     const drawn = lines.filter((l) => l.values.some((v) => Number.isFinite(v)));
     if (drawn.length === 0 || (figure.log && !drawn.some((l) => l.values.some((v) => v > 0)))) return;
     drawn.forEach((l, n) => (l.colour = line_colours[n % line_colours.length]));
-    all.push(new plot(parent, figure, times, drawn));
+    all.push(new plot(parent, { ...figure, unit: in_units(figure.unit, run.about.units) }, times, drawn));
   };
   const line_of = (name, key) => ({ name, values: heads.map((v) => (typeof v[key] === "number" ? v[key] : NaN)) });
   for (const f of figures)
     add(f, Object.entries(f.names).filter(([key]) => present.includes(key)).map(([key, name]) => line_of(name, key)));
-  for (const key of run.about.recorded || (run.about.end && run.about.end.recorded) || [])
-    if (present.includes(key) && !known.has(key)) add({ title: key, unit: "" }, [line_of(key, key)]);
+  const told = { ...run.about, ...run.about.end };
+  for (const key of told.recorded || [])
+    if (present.includes(key) && !known.has(key)) add({ title: key, unit: told.dimensions?.[key] || "" }, [line_of(key, key)]);
   draw_times(add, run);
   return all;
 }

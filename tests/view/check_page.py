@@ -208,6 +208,11 @@ def look(browser, program, folder):
     names = browser.run("[...document.querySelectorAll('#names li')].map((x) => [x.textContent, x.querySelector('i').style.background])")
     check(browser.run("+document.getElementById('walls').value") == 0.35, "walls are as in pictures")
     check(["grass", "rgb(26, 204, 26)"] in names and ["sky <blue>", "rgb(26, 51, 230)"] in names, f"names {names}")
+    check(["material 0 (walls)", "rgb(168, 160, 148)"] in names, f"walls are in the legend: {names}")
+
+    captions = browser.run("[...document.querySelectorAll('figcaption')].map((x) => [x.firstChild.textContent, x.lastChild.textContent])")
+    check(["Energy", "<kg> mm²/s²"] in captions and ["Largest speed", "mm/s"] in captions, f"units {captions}")
+    check(["way", "mm s"] in captions, f"units of a value of the program: {captions}")
 
     def camera():
         drawn(browser)

@@ -35,6 +35,8 @@ void add_look(auto& world, material_id stone, const scene_options& options) {
   const auto grass = world.material({.density = 1, .name = "grass", .colour = {0.1, 0.8, 0.1}});
   const auto sky = world.material({.name = "sky <blue>", .colour = {0.1, 0.2, 0.9}});
   world.gravity({0, 0, -10});
+  world.units({.length = "mm", .mass = "<kg>", .time = "s"});
+  world.after_each_step([&world] { world.record("way", static_cast<real>(world.time()), "L T"); });
   world.global([&](auto& scope) {
     scope.add(plane{}, stone);
     scope.add(tube_surface({.radius = 3, .height = 2}), stone, {0, 0, 1});

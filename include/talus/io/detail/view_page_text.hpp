@@ -149,7 +149,8 @@ const colour_modes = {
   size: { label: "size", fits: () => true, ramp: viridis, value: (f, i) => f.run.reach(f.rows[i]),
     range: (run) => run.sizes() },
   material: { label: "material", fits: (run) => run.has("material"), value: (f, i) => f.run.table.material[f.rows[i]],
-    colour: colour_of_material, name: (run, k) => run.name_of_material(k), listed: (run) => run.materials_in_use(),
+    colour: (run, k) => (k < 0 ? grey_of_wall : colour_of_material(run, k)),
+    name: (run, k) => (k < 0 ? run.name_of_material(-1 - k) + " (walls)" : run.name_of_material(k)), listed: (run) => run.materials_in_use(),
     own_colour: (run, k) => Boolean(run.materials[k]?.colour) },
   force: { label: "force", fits: (run) => run.has("forces"), ramp: heat, value: (f, i) => f.force(i),
     range: (run) => [0, 6 * run.most("force_mean")] },
@@ -283,12 +284,16 @@ class run_data {
   name_of_material(k) {
     return this.materials[k]?.name || "material " + k;
   }
-  // The numbers of the materials in the table: of movable bodies, and of walls if they have a colour.
+  // The numbers of the materials in the table, and after them -1 - k for each material k of walls that
+  // has no colour of its own: such walls are grey.
   materials_in_use() {
-    const t = this.table, used = new Set();
-    for (let r = 0; r < t.length; ++r)
-      if (!(t.flags[r] & 1) || this.materials[t.material[r]]?.colour) used.add(t.material[r]);
-    return [...used].sort((a, b) => a - b);
+    const t = this.table, used = new Set(), grey = new Set();
+    for (let r = 0; r < t.length; ++r) {
+      const k = t.material[r];
+      if (t.flags[r] & 1 && !this.materials[k]?.colour) grey.add(-1 - k);
+      else used.add(k);
+    }
+    return [...[...used].sort((a, b) => a - b), ...[...grey].sort((a, b) => b - a)];
   }
   // Least and largest size of the movable bodies.
   sizes() {
@@ -367,14 +372,14 @@ function read_run() {
 
 class orbit {
   // `changed()` is called when the view has changed, `clicked(x, y)` for a click without a drag.
-  constructor(canvas, camera, up, changed, clicked) {
+  constructor(canvas, camera, up, changed, clicked)page",
+    R"page() {
     Object.assign(this, { canvas, camera, changed });
     this.target = new THREE.Vector3();
     this.distance = 10;
     this.angle = -0.7, this.height = 0.42; // radians: around `up` and above the horizon
     this.frame(up);
-    const pointers = new Ma)page",
-    R"page(p();
+    const pointers = new Map();
     let moved = 0, spread = 0;
     const at = (e) => [e.clientX, e.clientY];
     canvas.addEventListener("pointerdown", (e) => {
@@ -652,12 +657,12 @@ class hidden_spheres {
   // `pixels` are those of a length 1 at distance 1.
   find(count, p, A, q, B, rest, radius, width, height, pixels) {
     const { x, y, r, z, bucket, order, seen, starts } = this;
-    const [a0, a1, a2, a3, a4, a5, a6, a7, a8] = A, [c0, c1, c2] = rest, middle = width / 2, centre = height / 2;
+    const [a0, a1, a2, a3, a)page",
+    R"page(4, a5, a6, a7, a8] = A, [c0, c1, c2] = rest, middle = width / 2, centre = height / 2;
     const [b0, b1, b2, b3, b4, b5, b6, b7, b8] = B || [];
     let near = Infinity, far = 0, sum = 0, here = 0;
     for (let i = 0, k = 0; i < count; ++i, k += 3) {
-      c)page",
-    R"page(onst p0 = p[k], p1 = p[k + 1], p2 = p[k + 2];
+      const p0 = p[k], p1 = p[k + 1], p2 = p[k + 2];
       let u = c0 + a0 * p0 + a1 * p1 + a2 * p2, v = c1 + a3 * p0 + a4 * p1 + a5 * p2, w = c2 + a6 * p0 + a7 * p1 + a8 * p2;
       if (B) {
         const q0 = q[k], q1 = q[k + 1], q2 = q[k + 2];
@@ -898,14 +903,14 @@ class body_group {
   }
   set_sizes(frame) {
     const rows = frame.rows;
-    if (this.sized === rows && this.sized_first === this.first) return;
+    if (this.sized === rows && this.sized_first === this.first) return;)page",
+    R"page(
     this.sized = rows, this.sized_first = this.first;
     const size = frame.run.table.size;
     const a = this.geometry.attributes[this.spheres ? "radius" : "extent"];
     for (let k = 0; k < this.count; ++k) {
       const r = 3 * rows[this.first + k];
-  )page",
-    R"page(    if (this.spheres) a.array[k] = 0.5 * size[r];
+      if (this.spheres) a.array[k] = 0.5 * size[r];
       else a.array.set(this.stage.extent(this.kind, size[r], size[r + 1], size[r + 2]), 4 * k);
     }
     this.update(a, a.array.length);
@@ -1140,12 +1145,12 @@ function facts_of(frame, i) {
   const size = [...t.size.subarray(3 * r, 3 * r + 3)];
   put("body", "0x" + t.id[r].toString(16) + (t.part[r] > 0 ? ", part " + t.part[r] : ""));
   put("shape", run.name_of_shape(t.shape[r]) + (t.flags[r] & 2 ? ", global" : t.flags[r] & 1 ? ", fixed" : ""));
-  if (t.shape[r] === shape.sphere) put("radius", short_number(size[0] / 2));
+  if (t.shape[r] === shape.sphere) put("radius", short_number(size[0] / 2)page",
+    R"page());
   else if (t.shape[r] !== shape.plane) put("size", vector(size));
   if (t.mass[r] > 0 && !(t.flags[r] & 1)) put("mass", short_number(+t.mass[r].toPrecision(5)));
   put("material", run.name_of_material(t.material[r]).replace(/^material /, ""));
-  if (!(t)page",
-    R"page(.flags[r] & 2)) put("rank", frame.rank[i]);
+  if (!(t.flags[r] & 2)) put("rank", frame.rank[i]);
   put("position", vector(frame.place(i, [0, 0, 0])));
   const error = frame.head.position_error;
   if (error > 0) put("", "± " + short_number(+error.toPrecision(2)) + " as stored");
@@ -1207,6 +1212,9 @@ const figures = [
   { title: "Bodies and contacts", unit: "", names: { bodies: "bodies", contacts: "contacts" } },
   { title: "Normal force", unit: "M L/T²", names: { normal_force_mean: "mean", normal_force_max: "largest" } },
 ];
+
+// A dimension in the units that the program names.
+const in_units = (dimension, units) => dimension.replace(/\b[MLT]\b/g, (letter) => units?.[letter] || letter);
 
 class plot {
   constructor(parent, { title, unit, log }, times, lines) {
@@ -1310,13 +1318,14 @@ function draw_plots(parent, run) {
     const drawn = lines.filter((l) => l.values.some((v) => Number.isFinite(v)));
     if (drawn.length === 0 || (figure.log && !drawn.some((l) => l.values.some((v) => v > 0)))) return;
     drawn.forEach((l, n) => (l.colour = line_colours[n % line_colours.length]));
-    all.push(new plot(parent, figure, times, drawn));
+    all.push(new plot(parent, { ...figure, unit: in_units(figure.unit, run.about.units) }, times, drawn));
   };
   const line_of = (name, key) => ({ name, values: heads.map((v) => (typeof v[key] === "number" ? v[key] : NaN)) });
   for (const f of figures)
     add(f, Object.entries(f.names).filter(([key]) => present.includes(key)).map(([key, name]) => line_of(name, key)));
-  for (const key of run.about.recorded || (run.about.end && run.about.end.recorded) || [])
-    if (present.includes(key) && !known.has(key)) add({ title: key, unit: "" }, [line_of(key, key)]);
+  const told = { ...run.about, ...run.about.end };
+  for (const key of told.recorded || [])
+    if (present.includes(key) && !known.has(key)) add({ title: key, unit: told.dimensions?.[key] || "" }, [line_of(key, key)]);
   draw_times(add, run);
   return all;
 }
@@ -1351,7 +1360,8 @@ function draw_times(add, run) {
 // The page: what is shown, when it is drawn, and what the controls do.
 
 function talus_view() {
-  const $ = (id) => document.getElementById(id);
+  const $ = (id) => document.)page",
+    R"page(getElementById(id);
   const say = (text) => {
     $("message").textContent = text, $("message").hidden = !text;
   };
@@ -1363,8 +1373,7 @@ function talus_view() {
     say("This browser draws no WebGL: " + error.message);
   }
   const state = { at: 0, mode: null, playing: false, speed: 1, picked: null, followed: null, followed_at: null, frame: null, next: null, dirty: true, drawn: 0 };
-  let plots = [], control, wanted = 0, loadi)page",
-    R"page(ng = null, colours = new Uint8Array(0), written = 0;
+  let plots = [], control, wanted = 0, loading = null, colours = new Uint8Array(0), written = 0;
   const api = (window.talus = { run, state, stage, frames: () => run.heads.length });
 
   // --- What is drawn ---------------------------------------------------------------------------
@@ -1586,7 +1595,8 @@ function talus_view() {
     const [low, high] = m.range(run), pen = $("ramp").getContext("2d");
     for (let x = 0; x < 160; ++x) {
       const k = 3 * Math.floor((255 * x) / 159);
-      pen.fillStyle = "rgb(" + [m.ramp[k], m.ramp[k + 1], m.ramp[k + 2]] + ")", pen.fillRect(x, 0, 1, 10);
+     )page",
+    R"page( pen.fillStyle = "rgb(" + [m.ramp[k], m.ramp[k + 1], m.ramp[k + 2]] + ")", pen.fillRect(x, 0, 1, 10);
     }
     $("least").textContent = short_number(+low.toPrecision(3)), $("most").textContent = short_number(+high.toPrecision(3));
   }
@@ -1596,8 +1606,7 @@ function talus_view() {
     redraw();
   };
   function choose_colour(name) {
-    state.mode = name, ($("colour").value = n)page",
-    R"page(ame);
+    state.mode = name, ($("colour").value = name);
     show_legend(), again("recolour")();
   }
   function pick(x, y) {

@@ -63,10 +63,13 @@ class run_view {
     add();
     if (!page_) return;
     std::string names;
-    for (const recorded_value& r : w_.records().all())
+    view_json end, dimensions;
+    for (const recorded_value& r : w_.records().all()) {
       (names += names.empty() ? "" : ",") += detail::quoted_text(r.name);
-    view_json end;
+      if (!r.dimension.empty()) dimensions.add_text(r.name, in_units(r.dimension, w_.units()));
+    }
     end.add_raw("recorded", "[" + names + "]");
+    end.add_raw("dimensions", dimensions.str());
     page_->finish(describe(end));
   }
 
@@ -126,6 +129,11 @@ class run_view {
     if (!own.empty()) about.add_text("shapes", own);
     if (!colour_.empty()) about.add_text("colour", colour_);
     if (w_.look()) about.add_raw("look", view_look(*w_.look()));
+    view_json units;
+    units.add_text("L", in_units("L", w_.units()));
+    units.add_text("M", in_units("M", w_.units()));
+    units.add_text("T", in_units("T", w_.units()));
+    about.add_raw("units", units.str());
     if (!restart_.empty() && !begun_)
       about.add_raw("notes",
                     "[" +
