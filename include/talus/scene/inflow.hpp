@@ -20,11 +20,13 @@
 #include "talus/core/random.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/parallel/reduction.hpp"
+#include "talus/scenario/made_bodies.hpp"
 #include "talus/scene/detail/run_guard.hpp"
 #include "talus/scene/region.hpp"
 #include "talus/scene/site.hpp"
 #include "talus/state/periodic_ghosts.hpp"
 #include "talus/world/body_checks.hpp"
+#include "talus/world/state_of.hpp"
 
 namespace talus {
 
@@ -71,6 +73,10 @@ consteval bool makes_bodies() {
   else
     return false;
 }
+
+/// The first shape of its bodies that the scenario does not name; else void.
+template <class World, class Make>
+using missing_in_inflow = missing_in_result_t<typename World::scenario_type, site, Make>;
 
 template <class World, class Region, class Make>
 class inserter {
@@ -253,8 +259,9 @@ class inserter {
 /// the same call. Throws invalid_argument for invalid rates, a region without bounds, and a body
 /// further from its site than its own radius.
 template <class World, class Region, class F>
-std::shared_ptr<const inserted> insert_by_rate(World& w, const inflow& how, const Region& region,
-                                               F f) {
+std::shared_ptr<const inserted> insert_by_rate(
+    World& w, const inflow& how, const Region& region,
+    F f) requires(std::is_void_v<detail::missing_in_inflow<World, F>>) {
   static_assert(detail::takes_site<F>,
                 "insert_by_rate takes a function of a site and its random numbers: write [&](const "
                 "site& place, random_stream& random) { return body{...}; }");
@@ -275,6 +282,12 @@ std::shared_ptr<const inserted> insert_by_rate(World& w, const inflow& how, cons
   }
 }
 
+/// Refuses a shape that the scenario does not name.
+template <
+    class World, class Region, class F,
+    detail::sentence Says = detail::missing_shape_or_none<detail::missing_in_inflow<World, F>>()>
+std::shared_ptr<const inserted> insert_by_rate(World&, const inflow&, const Region&, F) requires(
+    !std::is_void_v<detail::missing_in_inflow<World, F>>) = delete;
 /// Refuses other fields.
 template <class World, detail::sentence Fields = detail::fields::inflow>
 detail::fields::no_inflow<Fields> insert_by_rate(World&, ...) TALUS_REFUSED;

@@ -71,6 +71,8 @@ concept lattice = requires(const Lattice l) {
 template <class Lattice, class Region>
 class lattice_sites {
  public:
+  using site_type = site;
+
   lattice_sites(Lattice lattice, Region region)
       : lattice_(std::move(lattice)), region_(std::move(region)), step_(lattice_.step()) {
     detail::require_positive(lattice_.spacing, "the spacing of a lattice");

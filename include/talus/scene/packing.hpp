@@ -33,6 +33,8 @@ struct packed_sphere {
 ///   });
 class packing {
  public:
+  using site_type = site;
+
   explicit packing(detail::plain_vector<packed_sphere> spheres) : spheres_(std::move(spheres)) {}
 
   [[nodiscard]] std::size_t size() const { return spheres_.size(); }

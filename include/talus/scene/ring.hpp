@@ -35,6 +35,8 @@ struct ring_of {
           detail::text(centre), turn);
   }
 
+  using site_type = site;
+
   /// One of its sites.
   [[nodiscard]] site at(int level, int i) const {
     const real angle = 2 * pi * (i + (level % 2 == 0 ? turn : 0)) / count;

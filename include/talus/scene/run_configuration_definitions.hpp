@@ -8,6 +8,7 @@
 #include "talus/core/linkage.hpp"
 #include "talus/core/run_lock.hpp"
 #include "talus/scene/run_configuration.hpp"
+#include "talus/scene/run_outputs.hpp"
 
 namespace talus::detail {
 

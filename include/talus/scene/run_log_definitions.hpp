@@ -14,6 +14,7 @@
 #include "talus/core/version.hpp"
 #include "talus/io/output_kinds.hpp"
 #include "talus/scene/run_log.hpp"
+#include "talus/scene/run_outputs.hpp"
 
 namespace talus::detail {
 

@@ -62,6 +62,8 @@ concept site_filter = !concepts::site_set<Region> && requires(const Region r, co
 template <class Sites>
 class first_sites {
  public:
+  using site_type = site;
+
   first_sites(Sites sites, std::uint64_t n) : sites_(std::move(sites)), n_(n) {}
 
   template <class F>
@@ -83,6 +85,8 @@ class first_sites {
 template <class Sites, class Region>
 class sites_in {
  public:
+  using site_type = site;
+
   sites_in(Sites sites, Region region) : sites_(std::move(sites)), region_(std::move(region)) {}
 
   template <class F>
@@ -109,6 +113,8 @@ template <concepts::site_set Sites, detail::site_filter Region>
 /// Given places, in the order given.
 class points {
  public:
+  using site_type = site;
+
   explicit points(std::vector<vec3> positions) : positions_(std::move(positions)) {}
 
   template <class F>

@@ -271,10 +271,12 @@ struct held_bodies {
   }
   template <class Shape>
   auto& of() {
+    (void)require_shape<Scenario, Shape>();
     return std::get<index_of<typename Scenario::shapes, Shape>>(bodies);
   }
   template <class Shape>
   const auto& of() const {
+    (void)require_shape<Scenario, Shape>();
     return std::get<index_of<typename Scenario::shapes, Shape>>(bodies);
   }
 };

@@ -67,7 +67,8 @@ handle<Shape> world<Scenario>::add_global(const body<Shape>& b) {
 
 template <class Scenario>
 template <class Sites, class F>
-std::size_t world<Scenario>::fill(const Sites& sites, F&& f) {
+std::size_t world<Scenario>::fill(const Sites& sites, F&& f) requires(
+    std::is_void_v<detail::missing_in_fill<Scenario, Sites, F>>) {
   sections_.require_all_ranks("fill", rank());
   sections_.refuse_in_global("fill", rank());
   require_domain();
@@ -148,7 +149,7 @@ std::optional<body_view<Scenario, Shape>> world<Scenario>::find_here(handle<Shap
 
 template <class Scenario>
 template <class Shape>
-void world<Scenario>::destroy(handle<Shape> h) {
+void world<Scenario>::destroy(handle<Shape> h) requires(detail::takes_shape<Scenario, Shape>) {
   if constexpr (keeps)
     if (keeper_.skipped > 0) return;  // the file has the bodies that are left
   const auto found = (*this)[h];
