@@ -112,7 +112,8 @@ TEST_CASE("calls of simulate() that follow from a number of steps") {
   CHECK(follow_from({33, 33, 33}, 100));      // a third of it, three times
   CHECK(follow_from({30, 70}, 100));
   CHECK(follow_from({40, 40, 40}, 100));  // a loop until it is reached
-  CHECK(follow_from({200}, 100));
+  CHECK(!follow_from({200}, 100));        // a round number of the program
+  CHECK(!follow_from({1000, 1000}, 500));
   CHECK(!follow_from({500}, 100 + 1));
   CHECK(!follow_from({50}, 100));
   CHECK(!follow_from({500, 20}, 100));

@@ -8,9 +8,9 @@
 
 namespace talus::detail {
 
-/// Whether calls of simulate() that asked for these numbers of steps follow from `steps`: some in a
-/// row ask for as many (but for the remainders of a division), or all together for a multiple, or
-/// the last of several reaches it.
+/// Whether calls of simulate() that asked for these numbers of steps may follow from `steps`: some
+/// in a row ask for as many (but for the remainders of a division), or the last of several reaches
+/// it.
 [[nodiscard, gnu::cold]] inline bool follow_from(const std::vector<std::uint64_t>& asked,
                                                  std::uint64_t steps) {
   constexpr std::size_t many = 1000;
@@ -25,8 +25,7 @@ namespace talus::detail {
       if (sum + rest >= steps && sum <= steps + rest) return true;
     }
   }
-  const bool reaches = asked.size() > 1 && all >= steps && all - asked.back() < steps;
-  return reaches || (all > 0 && all % steps == 0);
+  return asked.size() > 1 && all >= steps && all - asked.back() < steps;
 }
 
 /// A sentence on standard error if they do not; else empty.
@@ -36,7 +35,8 @@ namespace talus::detail {
   std::uint64_t all = 0;
   for (const std::uint64_t n : asked) all += n;
   return compose(
-      "--steps {} has no effect in this program, whose calls of world.simulate ask for {} steps in "
+      "--steps {} seems to have no effect in this program, whose calls of world.simulate ask for "
+      "{} steps in "
       "all: give it .steps = options.steps",
       steps, all);
 }
