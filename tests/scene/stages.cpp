@@ -10,6 +10,7 @@
 #include <string>
 #include <talus/checkpoint.hpp>
 #include <talus/observe/digest.hpp>
+#include <talus/observe/flow.hpp>
 #include <talus/observe/force.hpp>
 #include <talus/observe/motion.hpp>
 #include <talus/parallel/grid.hpp>
@@ -73,6 +74,8 @@ real top_of(world<cell>& w) {
 struct three_stages {
   std::string digest;
   real height = 0;
+  flow fallen;            ///< through the height of 1, in all stages
+  double approached = 0;  ///< the fastest approach of two bodies
   std::uint64_t fails_in = 0;
 
   template <class World, class Options>
@@ -100,6 +103,7 @@ struct three_stages {
       if (world.steps() == fails_in) throw std::runtime_error("the machine is switched off");
     });
     world.hold_force(lid, {.pressure = [](real t) { return 20 * t; }, .max_speed = 0.5});
+    const flow_meter level(world, plane{.normal = {0, 0, -1}, .offset = -1});
     world.simulate({.steps = 200, .dt = options.dt});
 
     const real top = world.once("top", [&] { return top_of(world); });
@@ -127,7 +131,9 @@ struct three_stages {
     world.drive(upper, gliding{{0, 0, 0.1}});
     world.simulate({.steps = 100, .dt = options.dt});
     const std::string now = state_digest(world);
-    if (world.rank() == 0) digest = now, height = top;
+    const flow passed = level.total();
+    const double fastest = summarize(world, 0, 0).impact_speed_max;
+    if (world.rank() == 0) digest = now, height = top, fallen = passed, approached = fastest;
   }
 };
 
@@ -149,6 +155,7 @@ TEST_CASE("a restart in any stage gives the bits of a run without interruption")
       three_stages whole;
       CHECK(program(files, words, whole).code == 0);
       CHECK(whole.height > 1);
+      CHECK(whole.fallen.forward > 4);
       three_stages first, rest;
       first.fails_in = std::uint64_t(fails_in);
       CHECK(program(files, words, first).code == 1);
@@ -160,6 +167,10 @@ TEST_CASE("a restart in any stage gives the bits of a run without interruption")
       if (!e.said.empty()) MESSAGE(e.said);
       CHECK(rest.digest == whole.digest);
       CHECK(rest.height == whole.height);
+      CHECK(rest.fallen.mass_forward == whole.fallen.mass_forward);
+      CHECK(rest.fallen.forward == whole.fallen.forward);
+      CHECK(rest.fallen.backward == whole.fallen.backward);
+      CHECK(rest.approached == whole.approached);
     }
   }
 }
@@ -222,6 +233,8 @@ TEST_CASE("what looks at the bodies of the set-up in a restart is refused, with 
   refused([](auto& w, auto& ball) { (void)w[*ball].position(); }, "world[...] looks");
   refused([](auto& w, auto&) { (void)w.overlaps(sphere{1}, {0, 0, 0}); }, "world.overlaps looks");
   refused([](auto& w, auto&) { (void)critical_dt(w); }, "critical_dt looks");
+  refused([](auto& w, auto&) { (void)w.audit(); }, "world.audit looks");
+  refused([](auto& w, auto&) { (void)w.convergence(); }, "world.convergence looks");
   // A program that has named a value since: the file lacks it.
   CHECK(two_stages([](auto&, auto&) {}, {}).code == 0);
   const auto later = [](auto& w, auto&) { w.once("late", [] { return 1; }); };

@@ -55,7 +55,9 @@ template <class Scenario>
   require_same_scenario<Scenario>(in);
   require_materials(in, s.materials);
   require_interactions(in, s);
-  get_kept(in, w.rank(), keeper.values);
+  require_kept(in, keeper.values);
+  get_kept(in, "/kept", w.rank(), keeper.values);
+  if (in.has("/meters/names")) get_kept(in, "/meters", w.rank(), keeper.meters);
 
   const auto whole = [&](const char* path) { return in.integers(path, 1)[0]; };
   s.steps = whole("/run/steps");
@@ -105,6 +107,19 @@ template <class Scenario>
     s.convergence = {static_cast<std::uint64_t>(c[0]), static_cast<std::uint64_t>(c[1]), c[2], c[3],
                      static_cast<std::uint64_t>(c[4])};
   }
+
+  if constexpr (world_state<Scenario>::law::soft)
+    if (in.has("/run/step_lengths")) {  // files of earlier versions have none
+      const auto rows = in.reals("/run/step_lengths", checkpoint_reader::any, 2);
+      s.lengths = {};
+      for (std::size_t k = 0; k + 1 < rows.size(); k += 2) {
+        if (!(rows[k] > 0 && rows[k + 1] >= 0))
+          fail<std::runtime_error>("is damaged: steps of {} with an approach by {} make no sense",
+                                   rows[k], rows[k + 1]);
+        s.lengths.change(static_cast<real>(rows[k]), 0);
+        s.lengths.note(static_cast<real>(rows[k + 1]));
+      }
+    }
 
   // On other numbers of ranks, moved cuts do not apply.
   if constexpr (world_state<Scenario>::balances)

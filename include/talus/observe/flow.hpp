@@ -62,8 +62,8 @@ class crossing_counter {
     note();
   }
   /// Forward and backward.
-  [[nodiscard]] const std::array<exact_sum, 2>& masses() const { return masses_; }
-  [[nodiscard]] const std::array<std::uint64_t, 2>& numbers() const { return numbers_; }
+  [[nodiscard]] std::array<exact_sum, 2>& masses() { return masses_; }
+  [[nodiscard]] std::array<std::uint64_t, 2>& numbers() { return numbers_; }
 
  private:
   static constexpr bool periodic = world_state<Scenario>::periodic;
@@ -115,7 +115,8 @@ class crossing_counter {
 /// once, on the rank that owns the body after it: a rank knows its neighbours' bodies before they
 /// migrate. A body that was unknown in the step before, such as a new one, counts from then on.
 /// Nothing is sent until total() is called. Costs one pass over the bodies that a rank knows in
-/// each step; a restart starts the counts at zero.
+/// each step. Checkpoints hold the counts of each plane; a meter that the first run did not have
+/// starts at the restart.
 template <class Scenario>
 class flow_meter {
  public:
@@ -124,6 +125,17 @@ class flow_meter {
   flow_meter(world<Scenario>& w, const plane& where) : w_(w) {
     where.validate();
     counter_ = std::make_shared<detail::crossing_counter<Scenario>>(detail::view_of(w), where);
+    if constexpr (Scenario::template has_feature<checkpoints>) {
+      std::string name = "flow through a plane";
+      for (const real x : {where.normal.x(), where.normal.y(), where.normal.z(), where.offset})
+        name += ' ' + detail::text(x, 17);
+      auto& keeper = detail::checkpoint_access::keeper(w);
+      for (const std::size_t way : {0, 1}) {
+        const std::string side = name + (way == 0 ? ", forward" : ", backward");
+        keeper.add_meter(side + ", mass", counter_->masses()[way]);
+        keeper.add_meter(side + ", bodies", counter_->numbers()[way]);
+      }
+    }
     w.before_simulating("flow meters", [counter = counter_] { counter->note(); });
     w.monitor_each_step("flow meters", [counter = counter_] { counter->count(); });
   }

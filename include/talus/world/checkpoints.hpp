@@ -2,6 +2,7 @@
 // features<checkpoints>: its part of a world. io/ writes and reads files, and a program includes it
 // by <talus/checkpoint.hpp>; this file holds the state that the user adds, and the points of
 // simulate() at which files are written or read.
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -79,6 +80,13 @@ struct kept_value {
   std::uint64_t (*integer)(const void*) = nullptr;
   void (*set_real)(void*, double) = nullptr;
   void (*set_integer)(void*, std::uint64_t) = nullptr;
+
+  /// Its bytes in a file.
+  [[nodiscard]] std::size_t stored_bytes() const {
+    return means == kind::alike       ? bytes
+           : means == kind::exact_sum ? (exact_sum::digits + 1) * sizeof(double)
+                                      : sizeof(double);
+  }
 };
 
 /// What world.once() has computed, or done: the bytes of its value, and the counters of added
@@ -91,7 +99,7 @@ struct once_value {
 };
 
 struct checkpoint_keeper {
-  std::vector<kept_value> values;
+  std::vector<kept_value> values, meters;
   std::vector<std::uint64_t> added_elsewhere;  ///< by ranks of an earlier run
   std::vector<once_value> once;
   std::optional<parameters> given;          ///< by the program, so far
@@ -141,13 +149,30 @@ struct checkpoint_keeper {
   }
   void add_sum(const std::string& name, exact_sum& value) {
     require_new(name);
-    values.push_back({name, kept_value::kind::exact_sum, sizeof(value), &value});
+    values.push_back(sum_of(name, value));
   }
   template <class T>
   void add_sum(const std::string& name, T& value) {
     static_assert(std::floating_point<T> || (std::integral<T> && !std::same_as<T, bool>),
                   "world.keep_sum takes a number: for anything else there is world.keep");
     require_new(name);
+    values.push_back(sum_of(name, value));
+  }
+  /// A sum over the ranks and the steps since this call, of a monitor that the program has made. A
+  /// file that has no sum of this name leaves it as it is.
+  template <class T>
+  void add_meter(std::string name, T& value) {
+    const auto taken = [&](const kept_value& v) { return v.name == name; };
+    while (std::any_of(meters.begin(), meters.end(), taken)) name += '+';
+    meters.push_back(sum_of(name, value));
+  }
+
+ private:
+  [[nodiscard, gnu::cold]] static kept_value sum_of(const std::string& name, exact_sum& value) {
+    return {name, kept_value::kind::exact_sum, sizeof(value), &value};
+  }
+  template <class T>
+  [[nodiscard, gnu::cold]] static kept_value sum_of(const std::string& name, T& value) {
     kept_value k{name, {}, sizeof(T), &value};
     if constexpr (std::floating_point<T>) {
       k.means = kept_value::kind::sum_of_reals;
@@ -162,10 +187,8 @@ struct checkpoint_keeper {
       };
       k.set_integer = [](void* at, std::uint64_t x) { *static_cast<T*>(at) = static_cast<T>(x); };
     }
-    values.push_back(k);
+    return k;
   }
-
- private:
   [[gnu::cold]] void require_new(const std::string& name) const {
     if (name.empty())
       fail<std::invalid_argument>("world.keep needs a name, by which the value is found again");

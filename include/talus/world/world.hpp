@@ -16,6 +16,7 @@
 #include "talus/parallel/check_connections.hpp"
 #include "talus/parallel/domain.hpp"
 #include "talus/parallel/reach.hpp"
+#include "talus/scenario/made_bodies.hpp"
 #include "talus/scenario/scenario.hpp"
 #include "talus/state/recorded_values.hpp"
 #include "talus/state/state.hpp"
@@ -328,7 +329,10 @@ class world {
   }
   /// Iterations of the solver, and contact residuals at their end; for soft contacts, the residuals
   /// of features<residual_monitor> and measure_residual().
-  [[nodiscard]] const talus::convergence& convergence() const { return state_.convergence; }
+  [[nodiscard]] const talus::convergence& convergence() const {
+    note_reading("world.convergence");
+    return state_.convergence;
+  }
   /// Seed of all random numbers that fill() passes. Set alike on all ranks.
   void seed(std::uint64_t seed) { seed_ = seed; }
   /// The seed that was set.
@@ -423,7 +427,14 @@ class world {
   /// one, or a std::variant of bodies of several shapes. All ranks call it alike, without
   /// communication; returns the number of bodies made here.
   template <class Sites, class F>
-  std::size_t fill(const Sites& sites, F&& f);
+  std::size_t fill(const Sites& sites,
+                   F&& f) requires(std::is_void_v<detail::missing_in_fill<Scenario, Sites, F>>);
+  /// Refuses a shape that the scenario does not name.
+  template <class Sites, class F,
+            detail::sentence Says =
+                detail::missing_shape_or_none<detail::missing_in_fill<Scenario, Sites, F>>()>
+  std::size_t fill(const Sites&, F&&) requires(
+      !std::is_void_v<detail::missing_in_fill<Scenario, Sites, F>>) = delete;
 
   /// Moves a global body along, from now on: `motion` is a function of the time of the world that
   /// returns a rigid_displacement, a rigid_velocity or a surface_velocity (body/motion.hpp), such
@@ -472,23 +483,36 @@ class world {
   /// Removes a body that this rank owns, or a global one (on all ranks alike). Throws
   /// invalid_argument if it is unknown and logic_error if it is a shadow copy, or has a joint.
   template <class Shape>
-  void destroy(handle<Shape> h);
+  void destroy(handle<Shape> h) requires(detail::takes_shape<Scenario, Shape>);
+  /// Refuses a shape that the scenario does not name.
+  template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+  void destroy(handle<Shape>) requires(!detail::takes_shape<Scenario, Shape>) = delete;
 
   /// The body if this rank knows it: as owner, as shadow copy or as a global body.
   template <class Shape>
-  [[nodiscard]] std::optional<view<Shape>> find(handle<Shape> h) {
+  [[nodiscard]] std::optional<view<Shape>> find(handle<Shape> h) requires(
+      detail::takes_shape<Scenario, Shape>) {
     note_reading("world.find");
     return find_here(h);
   }
   /// The body if this rank knows it; throws invalid_argument if the body is unknown.
   template <class Shape>
-  [[nodiscard]] view<Shape> operator[](handle<Shape> h) {
+  [[nodiscard]] view<Shape> operator[](handle<Shape> h) requires(
+      detail::takes_shape<Scenario, Shape>) {
     note_reading("world[...]");
     if (auto found = find_here(h)) return *found;
     detail::fail<std::invalid_argument>(
         "rank {} does not know the {} {}: it was destroyed, or lives on another rank (use find)",
         rank(), Shape::name, h.id);
   }
+
+  /// Refuses a shape that the scenario does not name.
+  template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+  std::optional<view<Shape>> find(handle<Shape>) requires(!detail::takes_shape<Scenario, Shape>) =
+      delete;
+  /// Refuses a shape that the scenario does not name.
+  template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+  view<Shape> operator[](handle<Shape>) requires(!detail::takes_shape<Scenario, Shape>) = delete;
 
   /// Calls f(body) for every body this rank owns.
   template <class F>

@@ -1,6 +1,7 @@
 #pragma once
 // The data that a rank writes to a checkpoint: its rows of all tables, and on rank 0 the
 // description of the whole run.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -63,6 +64,23 @@ void put_numbers_of_shapes(type_list<Shapes...>, std::vector<small_dataset>& out
   (put(type_list<Shapes>{}), ...);
 }
 
+/// The lengths of the steps so far, each with the fastest approach on any rank. Collective.
+template <class Scenario>
+[[gnu::cold]] void put_step_lengths(checkpoint_team& team, const world_state<Scenario>& s,
+                                    std::vector<small_dataset>& out) {
+  step_lengths lengths = s.lengths;
+  lengths.note(s.soft.fastest_approach);
+  std::vector<double> rows;
+  for (const auto& x : lengths.all()) rows.insert(rows.end(), {x.dt, x.fastest});
+  byte_buffer mine;
+  for (const double x : rows) byte_writer(mine).put(x);
+  for (const byte_buffer& each : team.gather(mine)) {
+    byte_reader from(each);
+    for (double& x : rows) x = std::max(x, from.get<double>());
+  }
+  out.push_back(numbers_dataset<double>("/run/step_lengths", rows, 2));
+}
+
 /// The description of the run by rank 0. Collective.
 template <class Scenario>
 [[nodiscard, gnu::cold]] std::vector<small_dataset> facts_of(world<Scenario>& w,
@@ -122,7 +140,9 @@ template <class Scenario>
   if (s.materials.rules() != pair_rules{})
     out.push_back(numbers_dataset<double>("/materials/rules", numbers_of(s.materials.rules())));
   put_interactions(s, out);
-  put_kept(team, keeper.values, out);
+  put_kept(team, "/kept", keeper.values, out);
+  put_kept(team, "/meters", keeper.meters, out);
+  if constexpr (world_state<Scenario>::law::soft) put_step_lengths(team, s, out);
   put_monitors(team, s, out);
   put_lists(s, out);
   put_course(keeper.course.parts(s.steps), out);

@@ -87,9 +87,12 @@ template <class Scenario>
 /// Kept values: names, their meanings with numbers of bytes, and the bytes.
 [[nodiscard, gnu::cold]] std::string names_of(const std::vector<kept_value>& values);
 /// Collective, because of the sums.
-[[gnu::cold]] void put_kept(checkpoint_team& team, const std::vector<kept_value>& values,
-                            std::vector<small_dataset>& out);
-[[gnu::cold]] void get_kept(const checkpoint_reader& in, int rank,
+[[gnu::cold]] void put_kept(checkpoint_team& team, const std::string& group,
+                            const std::vector<kept_value>& values, std::vector<small_dataset>& out);
+/// Throws runtime_error unless the file has kept the same values by world.keep().
+[[gnu::cold]] void require_kept(const checkpoint_reader& in, const std::vector<kept_value>& values);
+/// Sets those of the values that a file has.
+[[gnu::cold]] void get_kept(const checkpoint_reader& in, const std::string& group, int rank,
                             const std::vector<kept_value>& values);
 
 }  // namespace talus::detail

@@ -108,7 +108,8 @@ TALUS_HDF5_INLINE std::string names_of(const std::vector<kept_value>& values) {
   return names;
 }
 
-TALUS_HDF5_INLINE void put_kept(checkpoint_team& team, const std::vector<kept_value>& values,
+TALUS_HDF5_INLINE void put_kept(checkpoint_team& team, const std::string& group,
+                                const std::vector<kept_value>& values,
                                 std::vector<small_dataset>& out) {
   std::vector<std::uint64_t> kinds;
   byte_buffer bytes;
@@ -141,13 +142,13 @@ TALUS_HDF5_INLINE void put_kept(checkpoint_team& team, const std::vector<kept_va
       to.put(sum);
     }
   }
-  out.push_back(text_dataset("/kept/names", names_of(values)));
-  out.push_back(numbers_dataset<std::uint64_t>("/kept/kinds", kinds, 2));
-  out.push_back({"/kept/values", number_type::u8, bytes.size(), 1, bytes});
+  out.push_back(text_dataset(group + "/names", names_of(values)));
+  out.push_back(numbers_dataset<std::uint64_t>(group + "/kinds", kinds, 2));
+  out.push_back({group + "/values", number_type::u8, bytes.size(), 1, bytes});
 }
 
-TALUS_HDF5_INLINE void get_kept(const checkpoint_reader& in, int rank,
-                                const std::vector<kept_value>& values) {
+TALUS_HDF5_INLINE void require_kept(const checkpoint_reader& in,
+                                    const std::vector<kept_value>& values) {
   const std::string theirs = in.text("/kept/names"), mine = names_of(values);
   const auto line = [](std::string names) {
     if (names.empty()) return std::string("nothing");
@@ -159,31 +160,53 @@ TALUS_HDF5_INLINE void get_kept(const checkpoint_reader& in, int rank,
   if (theirs != mine)
     fail<std::runtime_error>("is of a run that kept {}, and this program keeps {} (world.keep)",
                              line(theirs), line(mine));
-  const auto kinds = in.integers("/kept/kinds", values.size(), 2);
-  const auto bytes = in.numbers<std::byte>("/kept/values", number_type::u8);
-  byte_reader from(bytes);
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    const kept_value& v = values[k];
-    if (kinds[2 * k] != static_cast<std::uint64_t>(v.means) || kinds[2 * k + 1] != v.bytes)
-      fail<std::runtime_error>(
-          "is of a run that kept '{}' as another type of value: its type must stay the same",
-          v.name);
-    if (v.means == kept_value::kind::alike) {
-      auto* to = static_cast<std::byte*>(v.at);
-      for (std::size_t i = 0; i < v.bytes; ++i) to[i] = from.get<std::byte>();
-    } else if (v.means == kept_value::kind::sum_of_reals) {
-      const auto sum = from.get<double>();
-      v.set_real(v.at, rank == 0 ? sum : 0);
-    } else if (v.means == kept_value::kind::exact_sum) {
-      std::array<double, exact_sum::digits + 1> digits;
-      for (double& digit : digits) digit = from.get<double>();
-      auto& sum = *static_cast<exact_sum*>(v.at);
-      sum = {};
-      if (rank == 0) sum.read(digits);
-    } else {
-      const auto sum = from.get<std::uint64_t>();
-      v.set_integer(v.at, rank == 0 ? sum : 0);
+}
+
+/// Sets one value from the bytes of a file.
+[[gnu::cold]] inline void set_kept(const kept_value& v, int rank, byte_reader& from) {
+  if (v.means == kept_value::kind::alike) {
+    auto* to = static_cast<std::byte*>(v.at);
+    for (std::size_t i = 0; i < v.bytes; ++i) to[i] = from.get<std::byte>();
+  } else if (v.means == kept_value::kind::sum_of_reals) {
+    const auto sum = from.get<double>();
+    v.set_real(v.at, rank == 0 ? sum : 0);
+  } else if (v.means == kept_value::kind::exact_sum) {
+    std::array<double, exact_sum::digits + 1> digits;
+    for (double& digit : digits) digit = from.get<double>();
+    auto& sum = *static_cast<exact_sum*>(v.at);
+    sum = {};
+    if (rank == 0) sum.read(digits);
+  } else {
+    const auto sum = from.get<std::uint64_t>();
+    v.set_integer(v.at, rank == 0 ? sum : 0);
+  }
+}
+
+TALUS_HDF5_INLINE void get_kept(const checkpoint_reader& in, const std::string& group, int rank,
+                                const std::vector<kept_value>& values) {
+  const std::string names = in.text(group + "/names");
+  const auto count = static_cast<std::size_t>(std::count(names.begin(), names.end(), '\n'));
+  const auto kinds = in.integers(group + "/kinds", count, 2);
+  const auto bytes = in.numbers<std::byte>(group + "/values", number_type::u8);
+  std::size_t name = 0, first = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t end = names.find('\n', name);
+    const std::string own = names.substr(name, end - name);
+    const kept_value stored{own, static_cast<kept_value::kind>(kinds[2 * k]), kinds[2 * k + 1],
+                            nullptr};
+    const std::size_t size = stored.stored_bytes();
+    if (size > bytes.size() - first)
+      fail<std::runtime_error>("is damaged: it ends within the value '{}'", own);
+    for (const kept_value& v : values) {
+      if (v.name != own) continue;
+      if (stored.means != v.means || stored.bytes != v.bytes)
+        fail<std::runtime_error>(
+            "is of a run that kept '{}' as another type of value: its type must stay the same",
+            own);
+      byte_reader from({bytes.data() + first, size});
+      set_kept(v, rank, from);
     }
+    name = end + 1, first += size;
   }
 }
 

@@ -7,6 +7,7 @@ namespace talus {
 template <class Scenario>
 body_count world<Scenario>::audit() {
   sections_.require_all_ranks("audit", rank());
+  note_reading("world.audit");
   const body_count here = detail::count_owned(state_);
   std::array<std::uint64_t, 4> sums{here.bodies, here.ids, state_.made.bodies, state_.made.ids};
   state_.link->reduce(reduction::sum, std::span(sums));
