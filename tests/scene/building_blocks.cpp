@@ -127,7 +127,10 @@ TEST_CASE("packings are read, and bad rows are refused by their number") {
        {"R;X;Y;Z;VX;Colour\n0.5;1;2;3;-1;red\n0.1;-1;0;0;0;\n",
         "\"r\",\"x\",\"y\",\"z\",\"vx\"\n\"0.5\",\"1\",\"2\",\"3\",\"-1\"\n0.1,-1,0,0,0\n",
         "r\tx\ty\tz\tvx\tcolour\n0.5\t1\t2\t3\t-1\tdark red\n0.1\t-1\t0\t0\t0\t\n",
-        "r  x y z   vx\n0.5 1   2 3\t-1\n 0.1 -1 0 0 0 \n"}) {
+        "r  x y z   vx\n0.5 1   2 3\t-1\n 0.1 -1 0 0 0 \n",
+        "r | x | y | z | vx\n0.5 | 1 | 2 | 3 | -1\n0.1|-1|0|0|0\n",
+        "r,x,y,z,vx\r0.5,1,2,3,-1\r0.1,-1,0,0,0",
+        "r,x,y,z,vx\r\n0.5,1,2,3,-1\r\n\r\n0.1,-1,0,0,0\r\n"}) {
     const scratch_file other(text);
     const packing same = read_packing(other.name);
     REQUIRE(same.size() == 2);
@@ -147,6 +150,7 @@ TEST_CASE("packings are read, and bad rows are refused by their number") {
   CHECK(refusal_of("x,y,z,r\n0,1.5x,0,1\n") == ", line 2: y is '1.5x', which is no finite number");
   CHECK(refusal_of("x,y,z,r\n0,,0,1\n") == ", line 2: y is '', which is no finite number");
   CHECK(refusal_of("x,y,z,r\n0,0,0,nan\n") == ", line 2: r is 'nan', which is no finite number");
+  CHECK(refusal_of("x,y,z,r\r\r0,0,0,0\r") == ", line 3: the radius r is 0, and must be positive");
   CHECK(refusal_of("x,y,z,r\n\n0,0,0,0\n") == ", line 3: the radius r is 0, and must be positive");
   CHECK_THROWS_AS(read_packing("/tmp/no such file"), std::runtime_error);
   CHECK_THROWS_WITH(read_packing("/tmp"), "the packing /tmp is a folder: name the file in it");

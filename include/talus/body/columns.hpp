@@ -135,7 +135,7 @@ struct force {
   };
   static constexpr auto member = &storage::force;
 };
-/// Likewise, about the centre of mass.
+/// The torque by the user about the centre of mass, world frame; cleared after each step.
 struct torque {
   using value_type = vec3;
   static constexpr const char *name = "torque", *unit = "M L^2/T^2";
@@ -160,7 +160,8 @@ struct contact_force {
   };
   static constexpr auto member = &storage::contact_force;
 };
-/// Likewise, about the centre of mass.
+/// The sum of the torques of the present contact forces about the centre of mass, world frame. Its
+/// owner alone needs it.
 struct contact_torque {
   using value_type = vec3;
   static constexpr const char *name = "contact_torque", *unit = "M L^2/T^2";

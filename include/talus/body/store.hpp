@@ -50,7 +50,7 @@ class kept_masses {
     system_id id;
     real inverse;
   };
-  /// Of the first entry that is not before `id`.
+  /// The place of the first entry that is not before `id`.
   [[nodiscard]] std::vector<entry>::const_iterator place_of(system_id id) const {
     return std::lower_bound(all_.begin(), all_.end(), id,
                             [](const entry& e, system_id x) { return e.id < x; });

@@ -76,7 +76,7 @@ struct row_values {
 struct axis_drive {
   real motor = 0, spring = 0, friction = 0, rate = 0;
 };
-/// Of both coordinates that a joint may have.
+/// What drove both coordinates that a joint may have.
 using axis_drives = std::array<axis_drive, 2>;
 
 /// A joint for a solver of many: its rows, and the impulses of these.

@@ -215,7 +215,7 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
   /// Whether several contacts can be evaluated at once.
   static constexpr bool in_packs =
       !reaches && (... && detail::in_packs<Laws>)&&(... && detail::in_packs<Resistances>);
-  /// The same of their energies, for the ledger.
+  /// Whether the energies of several contacts can be evaluated at once, for the ledger.
   static constexpr bool stores_in_packs = in_packs && (... && detail::stores_in_packs<Laws>);
   /// The range of the law beyond touch, for these parameters and this effective radius.
   [[nodiscard]] static real range(const parameters& p, real radius) {

@@ -47,7 +47,7 @@ struct soft_state {
   plain_vector<soft_place> places;  ///< likewise
   pair_parameters_of<typename Law::law> pairs;
   real fastest_approach = 0;  ///< along the normal of a contact, in steps of the present dt
-  /// Of the forces of the contacts that count on this rank, in this step; for the residual monitor.
+  /// Sum over the contacts that count on this rank, in this step; for the residual monitor.
   double squares_of_forces = 0;
   /// Longest stable step for the bonds when some were made, of all such moments.
   real step_of_bonds = std::numeric_limits<real>::infinity();

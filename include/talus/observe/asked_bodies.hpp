@@ -162,8 +162,8 @@ class asked_bodies {
                        });
                      });
   }
-  /// The same for global bodies. They are not repeated: a way that leaves the periodic box goes on
-  /// at its other side.
+  /// Passes on what a shape that moves along a way meets of the global bodies. They are not
+  /// repeated: a way that leaves the periodic box goes on at its other side.
   template <class Meet, class Take>
   void global_along(const question& q, const query_filter& filter, const vec3& reach,
                     const Meet& meet, const Take& take) {

@@ -18,7 +18,7 @@ namespace talus {
 struct joint_reading {
   bool exists = false;   ///< it was neither released nor broken
   vec3 force{0, 0, 0};   ///< on its first body in the last step, mean value
-  vec3 torque{0, 0, 0};  ///< likewise, about the point of the joint
+  vec3 torque{0, 0, 0};  ///< on its first body about the point of the joint, mean value
   double angle = 0;      ///< radians; 0 if this kind has none
   double travel = 0;     ///< length; 0 if this kind has none
   joint_load motor;      ///< on its angle or travel; 0 without one, likewise:

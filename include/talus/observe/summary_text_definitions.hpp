@@ -71,16 +71,22 @@ TALUS_INLINE std::string monitors_text(const talus::summary& r) {
         text(value("momentum_error"), 2));
   if (!there("energy_error")) return lines;
   const auto part = [&](std::string_view name) { return text(value(name), 3); };
+  const auto if_there = [&](const char* words, std::string_view name) {
+    return there(name) ? words + part(name) : std::string();
+  };
   return lines +
          compose(
-             "  energy   {}{} at the start; since then work on bodies {}, changes by the program "
-             "{}, added by the correction of overlaps {}, by the time stepping {}\n"
-             "           lost by friction {}, impacts {}, damping {}{}; all is accounted for, but "
+             "  energy   {}{} at the start; since then work on bodies {}{}{}, changes by the "
+             "program {}, added by the correction of overlaps {}, by the time stepping {}\n"
+             "           lost by friction {}{}, impacts {}, damping {}{}; all is accounted for, "
+             "but "
              "for {} of what a step exchanges\n",
              part("energy_initial"), unit_behind("M L^2/T^2", r.units), part("energy_work"),
-             part("energy_changes"), part("energy_correction"), part("energy_scheme"),
-             part("energy_friction"), part("energy_impact"), part("energy_damping"),
-             there("energy_sleep") ? compose(", sleep {}", part("energy_sleep")) : std::string(),
+             if_there(", by motors ", "energy_motors"),
+             if_there(", by springs of joints ", "energy_springs"), part("energy_changes"),
+             part("energy_correction"), part("energy_scheme"), part("energy_friction"),
+             if_there(", friction in joints ", "energy_joint_friction"), part("energy_impact"),
+             part("energy_damping"), if_there(", sleep ", "energy_sleep"),
              text(value("energy_error_worst"), 2));
 }
 

@@ -33,7 +33,8 @@ struct bisection {
                 "bisection<N> takes the number of ranks, 1 or more, or bisection<dynamic>");
   using bound = grid<1>::bound;
 
-  int count = 0;  ///< Of bisection<dynamic>; 0: as follows from the cuts, else from the ranks.
+  int count =
+      0;  ///< Ranks of bisection<dynamic>; 0: as follows from the cuts, else from the ranks.
   bound lower{};  ///< Where the space to be shared out begins (length), for the axes to be cut.
   bound upper{};  ///< Where it ends (length), above `lower`.
   std::vector<bisection_cut> cuts{};  ///< The first cut, then those below it, then those above.

@@ -30,7 +30,7 @@ struct connection_check {
   int samples = 200;        ///< Sites sampled for every rank, each with some tens of points.
   int first = 0;            ///< The ranks whose boundaries are sampled: from `first`...
   int last = 1 << 30;       ///< ...up to but not including `last`.
-  std::uint64_t seed = 42;  ///< Of the sites.
+  std::uint64_t seed = 42;  ///< Seed of the random sites.
 };
 
 }  // namespace talus

@@ -83,15 +83,16 @@ struct hexagonal {
                 "hexagonal<dynamic>");
   static constexpr real unset = std::numeric_limits<real>::quiet_NaN();
 
-  int rings = dynamic;  ///< Of hexagonal<dynamic>; dynamic: as follows from the number of ranks.
+  int rings =
+      dynamic;  ///< Rings of hexagonal<dynamic>; dynamic: as follows from the number of ranks.
   /// Distance of the centres of neighbouring cells, which is the width of a cell from flat to flat
   /// (length). From corner to corner a cell measures 2 / sqrt(3) of it.
   real spacing = unset;
   /// Instead of it, the width of all cells together along `start`, from flat to flat (length): that
   /// of 2 rings + 1 cells.
   real width = unset;
-  vec3 centre{0, 0, 0};  ///< Of the central cell.
-  vec3 axis{0, 0, 1};    ///< Of the prisms; any length but zero.
+  vec3 centre{0, 0, 0};  ///< Centre of the central cell (length).
+  vec3 axis{0, 0, 1};    ///< Axis of the prisms; any length but zero.
   vec3 start{1, 0, 0};   ///< Direction from rank 0 to rank 1, made perpendicular to the axis.
 
   /// The number of ranks, 0 while it is open.

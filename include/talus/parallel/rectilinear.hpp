@@ -13,8 +13,8 @@ template <int X = dynamic, int Y = X == dynamic ? dynamic : 1, int Z = X == dyna
 struct rectilinear {
   using talus_fields = detail::fields::rectilinear_fields;
   std::vector<real> x{};  ///< Positions of the cuts across x (length), strictly increasing.
-  std::vector<real> y{};  ///< Likewise across y.
-  std::vector<real> z{};  ///< Likewise across z.
+  std::vector<real> y{};  ///< Positions of the cuts across y (length), strictly increasing.
+  std::vector<real> z{};  ///< Positions of the cuts across z (length), strictly increasing.
 
   /// The number of ranks, 0 while no cuts are given.
   [[nodiscard]] int size() const {

@@ -79,11 +79,11 @@ struct ring {
   static_assert(N >= 1 || N == dynamic,
                 "ring<N> takes the number of sectors, 1 or more, or ring<dynamic>");
 
-  int sectors = 0;       ///< Of ring<dynamic>; 0: as follows from the number of ranks.
+  int sectors = 0;       ///< Sectors of ring<dynamic>; 0: as follows from the number of ranks.
   vec3 axis{0, 0, 1};    ///< Direction of the axis; any length but zero.
   vec3 centre{0, 0, 0};  ///< A point of the axis.
   vec3 start{1, 0, 0};   ///< Where sector 0 starts, as a direction from the axis.
-  real angle = 2 * pi;   ///< Of all sectors together (radians), up to the full circle.
+  real angle = 2 * pi;   ///< Angle of all sectors together (radians), up to the full circle.
   /// Radius of the body in the middle (length). Distances between sectors, for reach{...}, are
   /// those outside of it.
   real hub = 0;

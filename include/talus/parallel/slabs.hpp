@@ -50,10 +50,10 @@ struct slabs {
                 "slabs<N> takes the number of slabs, 1 or more, or slabs<dynamic>");
   static constexpr real unset = std::numeric_limits<real>::quiet_NaN();
 
-  int count = 0;       ///< Of slabs<dynamic>; 0: as follows from the cuts, else from the ranks.
-  vec3 axis{1, 0, 0};  ///< Across the slabs; any length but zero.
-  real lower = unset;  ///< Where equal slabs begin, along the axis from the origin (length).
-  real upper = unset;  ///< Where they end (length), above `lower`.
+  int count = 0;  ///< Slabs of slabs<dynamic>; 0: as follows from the cuts, else from the ranks.
+  vec3 axis{1, 0, 0};        ///< Across the slabs; any length but zero.
+  real lower = unset;        ///< Where equal slabs begin, along the axis from the origin (length).
+  real upper = unset;        ///< Where they end (length), above `lower`.
   std::vector<real> cuts{};  ///< Positions of the cuts (length), increasing, instead of bounds.
 
   /// The number of ranks, 0 while it is open.

@@ -107,7 +107,7 @@ void bind_queries(Class& world_class) {
           "The ids of the bodies whose centres are in a box, in ascending order.");
 }
 
-/// Of the bodies of one shape.
+/// Adds the questions about overlaps to the class of the bodies of one shape.
 template <class Session, class Class>
 void bind_overlaps(Class& bodies_class) {
   namespace py = pybind11;

@@ -29,7 +29,8 @@ struct missing_in<Scenario, std::variant<First, Rest...>>
                          missing_in<Scenario, std::variant<Rest...>>, missing_in<Scenario, First>> {
 };
 
-/// The same of a function of a site, or of a site and random numbers; void for other functions.
+/// The first shape that the scenario does not name, in the result of a function of a site, or of a
+/// site and random numbers; void if it names all, and for other functions.
 template <class Scenario, class Site, class F>
 struct missing_in_result {
   using type = void;

@@ -32,8 +32,8 @@ namespace talus {
 
 /// Settings of insert_by_rate. One of `bodies` and `mass` is positive, the other zero.
 struct inflow {
-  real bodies = 0;                                                 ///< per unit of time
-  real mass = 0;                                                   ///< likewise
+  real bodies = 0;                                                 ///< number per unit of time
+  real mass = 0;                                                   ///< mass per unit of time
   real from = 0;                                                   ///< time at which it begins
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();  ///< bodies, in all
   int tries = 20;               ///< places tried for a body in one step

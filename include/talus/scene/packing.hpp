@@ -52,11 +52,11 @@ class packing {
 
 /// Reads spheres from a table: a first line with the names of the columns, in any order and case,
 /// of which x, y, z and r are needed and vx, vy and vz are known (others are left out), and then a
-/// line for each sphere. Commas, semicolons, tabs or blanks separate the fields, as in the first
-/// line; fields may stand in quotes. Empty lines, and those that begin with #, are skipped. Each
-/// rank reads the file by itself. Throws runtime_error, with file and line, where the file cannot
-/// be read, a column is missing or there twice, or a line has other fields than the first one,
-/// something that is not a finite number, or a radius that is not positive.
+/// line for each sphere. Commas, semicolons, tabs, bars (|) or blanks separate the fields, as in
+/// the first line; fields may stand in quotes. Empty lines, and those that begin with #, are
+/// skipped. Each rank reads the file by itself. Throws runtime_error, with file and line, where the
+/// file cannot be read, a column is missing or there twice, or a line has other fields than the
+/// first one, something that is not a finite number, or a radius that is not positive.
 [[nodiscard]] packing read_packing(const std::string& file);
 
 namespace detail {

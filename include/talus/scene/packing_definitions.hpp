@@ -27,7 +27,7 @@ namespace detail {
 [[nodiscard, gnu::cold]] TALUS_INLINE std::vector<std::string> fields_of(const std::string& line,
                                                                          char separator) {
   std::vector<std::string> fields;
-  const std::string blanks = separator == '\t' ? " \r" : " \t\r";
+  const std::string blanks = separator == '\t' ? " " : " \t";
   const auto trim = [&](const std::string& text) {
     const auto first = text.find_first_not_of(blanks), last = text.find_last_not_of(blanks);
     return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
@@ -47,7 +47,7 @@ namespace detail {
 
 /// The separator of a table by its first line.
 [[nodiscard, gnu::cold]] TALUS_INLINE char separator_of(const std::string& names) {
-  for (const char c : {',', ';', '\t'})
+  for (const char c : {',', ';', '\t', '|'})
     if (names.find(c) != std::string::npos) return c;
   return ' ';
 }
@@ -73,10 +73,10 @@ namespace detail {
   char separator = ',';
   detail::plain_vector<packed_sphere> spheres;
   std::string line;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
+  for (std::size_t number = 1; detail::read_line(in, line); ++number) {
     if (number == 1 && line.starts_with(detail::byte_order_mark))
       line.erase(0, detail::byte_order_mark.size());
-    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#') continue;
+    if (line.find_first_not_of(" \t") == std::string::npos || line[0] == '#') continue;
     if (columns == 0) separator = detail::separator_of(line);
     const auto fields = detail::fields_of(line, separator);
     if (columns == 0) {

@@ -43,7 +43,7 @@ inline constexpr chord no_chord{1, 0};
 [[nodiscard]] inline chord chord_of_ball(const vec3& p, const vec3& d, real r) {
   return chord_within(d.dot(d), p.dot(d), p.dot(p), r);
 }
-/// Of a cylinder about the z axis.
+/// The chord of a cylinder about the z axis.
 [[nodiscard]] inline chord chord_of_cylinder(const vec3& p, const vec3& d, real r, real half) {
   const chord round = chord_within(d[0] * d[0] + d[1] * d[1], p[0] * d[0] + p[1] * d[1],
                                    p[0] * p[0] + p[1] * p[1], r);

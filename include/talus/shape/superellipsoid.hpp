@@ -99,7 +99,7 @@ struct superellipsoid {
   [[nodiscard]] mat3 bend(const vec3& direction) const {
     return bending_along(direction).within(unit(direction), 10 * bounding_radius());
   }
-  /// The same without that bound.
+  /// The derivative of `support` by a unit direction, without the bound of bend().
   [[nodiscard]] detail::bending bending_along(const vec3& direction) const {
     detail::bending b = dual(detail::off_the_axis(direction)).curvature;
     for (vec3& v : b.along) v = v.cwiseProduct(radii);

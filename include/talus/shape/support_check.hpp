@@ -115,7 +115,7 @@ inline constexpr bool untested_support =
     concepts::convex_shape<Shape> && !requires(const Shape& s) {
   s.form();
 };
-/// The same, or that of a part of a union.
+/// Whether the support function is all that is known of a shape, or of a part of a union.
 template <class Shape>
 inline constexpr bool has_untested_support = untested_support<Shape>;
 template <template <class...> class Union, class... Parts>

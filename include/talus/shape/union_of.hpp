@@ -151,12 +151,12 @@ class union_of {
     return half;
   }
 
-  /// The same form with its centre of mass at a point, given in the coordinates of the parts. The
+  /// This union with its centre of mass at a point, given in the coordinates of the parts. The
   /// principal moments and axes are kept.
   [[nodiscard]] union_of with_centre(const vec3& centre) const {
     return with_frame({centre, data_->frame.orientation}, data_->inertia);
   }
-  /// The same form with another centre of mass and another inertia per unit mass: a symmetric
+  /// This union with another centre of mass and another inertia per unit mass: a symmetric
   /// matrix, about the centre, along the axes of the coordinates of the parts.
   [[nodiscard]] union_of with_inertia(const vec3& centre, const mat3& inertia) const {
     const auto principal = detail::principal_inertia(centre, inertia);
@@ -273,7 +273,7 @@ class union_of {
     built.id = detail::id_of_content(content);
     return std::make_shared<const data>(std::move(built));
   }
-  /// The same parts with another frame of the body.
+  /// These parts with another frame of the body.
   [[nodiscard]] union_of with_frame(const pose& frame, const vec3& inertia) const {
     detail::byte_buffer key;
     detail::byte_writer writer(key);

@@ -175,7 +175,8 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   /// Sweeps over the interior contacts. The border comes first in either direction.
   void sweep_border(state& s, bool forward);
   void sweep_inner(state& s, bool forward);
-  /// The same over one group of islands, and of the position correction; see island_groups.hpp.
+  /// Sweeps over the interior contacts of one group of islands, and sweeps of the position
+  /// correction; see island_groups.hpp.
   void sweep_group(std::size_t group, bool forward, state& s) requires grouped<Contact>;
   void correct_group(std::size_t group, bool first, state& s) requires grouped<Contact>;
   /// Calls f(contact) with one contact of each interior manifold of a single rank.

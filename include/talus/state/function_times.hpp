@@ -26,7 +26,7 @@ class function_times {
   /// The number of a name, which it keeps. An empty one is that of functions of the program.
   [[nodiscard]] std::size_t number(std::string_view name);
   void add(std::size_t number, double seconds) { all_[number].second += seconds, sum_ += seconds; }
-  /// Of all names together.
+  /// Seconds of all names together.
   [[nodiscard]] double sum() const { return sum_; }
   [[nodiscard]] const std::vector<std::pair<std::string, double>>& all() const { return all_; }
 

@@ -35,7 +35,7 @@ class coloured_velocities : public shared_velocities<Scenario> {
       for (int k = 0; k < 3; ++k) b.v[k] = in[k], b.w[k] = in[3 + k];
     });
   }
-  /// Likewise the position corrections.
+  /// Sends the position corrections of a colour.
   void start_corrections(std::uint32_t colour) {
     start<base::of_correction, correction>(colour, [&](std::size_t i, correction* out) {
       base::put_correction(static_cast<std::uint32_t>(i), out);

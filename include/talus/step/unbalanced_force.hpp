@@ -29,7 +29,7 @@ struct unbalanced_sums {
   [[nodiscard]] double worst() const { return scale() > 0 ? std::sqrt(largest) / scale() : 0; }
 };
 
-/// Of one body: the resultant of the contact forces on it and of its weight.
+/// Adds the resultant of the contact forces on one body and of its weight.
 inline void add_resultant(unbalanced_sums& u, const vec3& resultant) {
   const double square = resultant.squaredNorm();
   u.sums[0] += square;

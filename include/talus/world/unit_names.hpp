@@ -22,8 +22,8 @@ namespace detail {
 /// A dimension, as "M L^2/T^2", in these units: "kg m^2/s^2".
 [[nodiscard, gnu::cold]] std::string in_units(std::string_view dimension, const unit_names& names);
 
-/// The same behind a number in a text: with a space before it; empty without units, and for the
-/// dimension 1.
+/// A dimension in these units behind a number in a text: with a space before it; empty without
+/// units, and for the dimension 1.
 [[nodiscard, gnu::cold]] std::string unit_behind(std::string_view dimension,
                                                  const unit_names& names);
 

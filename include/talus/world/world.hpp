@@ -643,12 +643,13 @@ class world {
   auto once(const std::string& name, F&& f);
   /// Calls f() after each step of simulate().
   void after_each_step(std::function<void()> f) { after_each_step({}, std::move(f)); }
-  /// The same; the summary of the run tells the time of f under this name.
+  /// Calls f() after each step of simulate(); the summary gives the time of f under this name.
   void after_each_step(std::string_view name, std::function<void()> f) {
     observers_.push_back({std::move(f), state_.functions.number(name)});
   }
-  /// The same for an f that changes neither bodies nor parameters. (With soft contacts and
-  /// features<energy_ledger> the others cost a pass over the contacts in each step.)
+  /// Calls f(), which changes neither bodies nor parameters, after each step of simulate(). (With
+  /// soft contacts and features<energy_ledger>, the functions of after_each_step() cost a pass over
+  /// the contacts in each step.)
   void monitor_each_step(std::string_view name, std::function<void()> f) {
     observers_.push_back({std::move(f), state_.functions.number(name), 0});
   }
@@ -659,7 +660,8 @@ class world {
   void observe(When when, F f) {
     observe({}, when, std::move(f));
   }
-  /// The same; the summary of the run tells the time of f under this name:
+  /// Calls f(world) after the steps whose number is a multiple of `when.steps`; the summary gives
+  /// the time of f under this name:
   /// `world.observe("height of the heap", every{100}, [](auto& world) { ... })`.
   template <class When = every, class F>
   void observe(std::string_view name, When when, F f) {
@@ -682,17 +684,17 @@ class world {
   /// Calls f() after each step of simulate(), after all functions of after_each_step() and
   /// observe(): for output of their results.
   void after_observers(std::function<void()> f) { after_observers({}, std::move(f)); }
-  /// The same; the summary of the run tells the time of f under this name.
+  /// Calls f() after all observers; the summary gives the time of f under this name.
   void after_observers(std::string_view name, std::function<void()> f) {
     writers_.push_back({std::move(f), state_.functions.number(name)});
   }
-  /// The same for an f that changes neither bodies nor parameters.
+  /// Calls f(), which changes neither bodies nor parameters, after all observers.
   void monitor_after_observers(std::string_view name, std::function<void()> f) {
     writers_.push_back({std::move(f), state_.functions.number(name), 0});
   }
   /// Calls f() at the start of each simulate(), when all bodies are with their owners.
   void before_simulating(std::function<void()> f) { before_simulating({}, std::move(f)); }
-  /// The same; the summary of the run tells the time of f under this name.
+  /// Calls f() at the start of each simulate(); the summary gives the time of f under this name.
   void before_simulating(std::string_view name, std::function<void()> f) {
     starters_.push_back({std::move(f), state_.functions.number(name)});
   }
@@ -704,7 +706,7 @@ class world {
   /// Notes that pictures are taken of this world, by take_pictures() or in another way: run() then
   /// accepts --frames.
   void note_pictures() { takes_pictures_ = true; }
-  /// The same, with the view that the page of --view begins with.
+  /// Notes that pictures are taken, with the view that the page of --view begins with.
   void note_pictures(const picture& look) {
     takes_pictures_ = true;
     look_ = look;

@@ -130,7 +130,7 @@ class shared_by_many {
       if (kept == 0 || z - slabs_[kept - 1] > Real(1e-12) * one_.radius) slabs_[kept++] = z;
     slabs_.resize(kept);
   }
-  /// Of a point of the surfaces of balls i, j and k.
+  /// Adds the height of a point of the surfaces of balls i, j and k.
   void add_height(const vector3<Real>& p, std::size_t i, std::size_t j, std::size_t k) {
     const Real r = one_.radius;
     if (!(std::abs(p[2]) < r && p.squaredNorm() <= r * r * (1 + doubt))) return;
@@ -140,7 +140,8 @@ class shared_by_many {
         return;
     slabs_.push_back(p[2]);
   }
-  /// Of the circle in which the surfaces of two balls meet, and of its points in a third one.
+  /// Adds the heights of the circle in which the surfaces of two balls meet, and of its points in a
+  /// third one.
   void add_heights_of_two(std::size_t i, std::size_t j) {
     const part_ball<Real>&a = all_[i], &b = all_[j];
     const vector3<Real> way = b.centre - a.centre;

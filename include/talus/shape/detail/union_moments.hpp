@@ -105,7 +105,7 @@ class shared_moments {
       });
     return meet;
   }
-  /// Of two shapes in the frame of the first.
+  /// Whether the boxes around two shapes meet, in the frame of the first.
   template <class A, class B>
   [[nodiscard]] static bool boxes_meet(const A& a, const pose& of_a, const B& b, const pose& of_b) {
     const pose there = combined(inverse(of_a), of_b);

@@ -76,7 +76,8 @@ class articulation : private articulated_rows {
     });
     return motors > 1;
   }
-  /// The same with the contacts of its bodies with what cannot move, which are sorted.
+  /// Shares the loads among the rows, and the contacts of its bodies with what cannot move, which
+  /// are sorted.
   template <class Bodies>
   void share_loads(const Bodies& all, std::span<joint_support> supports,
                    plain_vector<std::int32_t>& number) {

@@ -50,7 +50,8 @@ class articulations {
   void share_loads() {
     for (articulation& one : all_) one.share_loads();
   }
-  /// The same with the contacts of jointed bodies with what cannot move, which are sorted.
+  /// Shares the loads after the last solve() of a step, also among the contacts of jointed bodies
+  /// with what cannot move, which are sorted.
   template <class Bodies>
   void share_loads(const Bodies& all, std::span<joint_support> supports) {
     plain_vector<std::int32_t> number(all.size(), -1);
