@@ -128,6 +128,7 @@ TEST_CASE("packings are read, and bad rows are refused by their number") {
         "\"r\",\"x\",\"y\",\"z\",\"vx\"\n\"0.5\",\"1\",\"2\",\"3\",\"-1\"\n0.1,-1,0,0,0\n",
         "r\tx\ty\tz\tvx\tcolour\n0.5\t1\t2\t3\t-1\tdark red\n0.1\t-1\t0\t0\t0\t\n",
         "r  x y z   vx\n0.5 1   2 3\t-1\n 0.1 -1 0 0 0 \n",
+        "r x y z vx |v|\n0.5 1 2 3 -1 1\n0.1 -1 0 0 0 0\n",
         "r | x | y | z | vx\n0.5 | 1 | 2 | 3 | -1\n0.1|-1|0|0|0\n",
         "r,x,y,z,vx\r0.5,1,2,3,-1\r0.1,-1,0,0,0",
         "r,x,y,z,vx\r\n0.5,1,2,3,-1\r\n\r\n0.1,-1,0,0,0\r\n"}) {

@@ -239,12 +239,14 @@ TEST_CASE("values that make no sense are refused") {
                    "--view"},
         std::array{"--output", "x", "x_joints_0000000010.hdf", "a file of --output", "--log"},
         std::array{"--output", "x", "x_0000000010.hdf", "a file of --output", "--restart"},
-        std::array{"--frames", "d/", "d/./frame_00003.pov", "a picture of --frames", "--json"}})
+        std::array{"--frames", "d/", "d/./frame_00003.pov", "a picture of --frames", "--json"},
+        std::array{"--frames", ".", "frame_00003.pov", "a picture of --frames", "--csv"}})
     CHECK(refusal({option, value, other, name}) ==
           fmt::format("{} {} is the name of {}: give it another one", other, name, what));
   CHECK(refusal({"--frames", "d", "--json", "d/"}) ==
         "--json and --frames name the same file, d/: give each its own");
-  for (const char* name : {"x", "x.hdf", "x_0000000010", "x_walls_0000000010.hdf", "y/x.hdf.series"})
+  for (const char* name :
+       {"x", "x.hdf", "x_0000000010", "x_walls_0000000010.hdf", "y/x.hdf.series"})
     CHECK(parse_words({"--output", "x", "--json", name}).json == name);
   CHECK(parse_words({"--restart", "x", "--checkpoint", "./x"}).restart == "x");
   CHECK(refusal({"--every", "100"}) == "--every needs --frames DIR; see --help");

@@ -108,10 +108,11 @@ template <class Scenario>
                      static_cast<std::uint64_t>(c[4])};
   }
 
-  if constexpr (world_state<Scenario>::law::soft)
+  if constexpr (world_state<Scenario>::law::soft) {
+    s.lengths = {};
+    s.soft.fastest_approach = 0;
     if (in.has("/run/step_lengths")) {  // files of earlier versions have none
       const auto rows = in.reals("/run/step_lengths", checkpoint_reader::any, 2);
-      s.lengths = {};
       for (std::size_t k = 0; k + 1 < rows.size(); k += 2) {
         if (!(rows[k] > 0 && rows[k + 1] >= 0))
           fail<std::runtime_error>("is damaged: steps of {} with an approach by {} make no sense",
@@ -120,6 +121,7 @@ template <class Scenario>
         s.lengths.note(static_cast<real>(rows[k + 1]));
       }
     }
+  }
 
   // On other numbers of ranks, moved cuts do not apply.
   if constexpr (world_state<Scenario>::balances)

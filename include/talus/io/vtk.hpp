@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <list>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -129,8 +130,8 @@ class vtk_series {
       : w_(w), name_(detail::output_name(name)), goes_on_(goes_on), force_(what.force) {
     w.require_all_ranks("vtk_series", false);
     for (const auto& block : detail::vtk_blocks<Scenario>(what))
-      parts_.push_back({block, detail::series_index(
-                                   detail::index_of_output(name_, block.end_of_name), force_)});
+      parts_.push_back(
+          {block, detail::series_index(detail::index_of_output(name_, block.end_of_name), force_)});
     detail::team_over team(w.link());
     team.together([&] {
       if (w.rank() != 0) return;
@@ -207,7 +208,7 @@ class vtk_series {
   /// Locks one index: that of the contacts, say, may be that of another run's bodies.
   void lock(const char* end_of_name) {
     const std::string index = detail::index_of_output(name_, end_of_name);
-    locks_.emplace_back(index, "the output " + index)
+    locks_->emplace_back(index, "the output " + index)
         .remove_left_over(name_ + end_of_name + "_", detail::vtk_extension);
   }
   [[nodiscard]] static std::string without_folder(const std::string& file) {
@@ -222,8 +223,9 @@ class vtk_series {
   }
   world<Scenario>& w_;
   std::string name_;
-  std::list<detail::run_lock> locks_;  ///< on rank 0
-  std::vector<std::string> listed_;    ///< on rank 0
+  std::shared_ptr<std::list<detail::run_lock>> locks_ =
+      std::make_shared<std::list<detail::run_lock>>();  ///< on rank 0; copies share them
+  std::vector<std::string> listed_;                     ///< on rank 0
   std::vector<part> parts_;
   bool goes_on_, force_, replaces_ = false;
   std::optional<std::uint64_t> last_;

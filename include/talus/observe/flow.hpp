@@ -115,8 +115,9 @@ class crossing_counter {
 /// once, on the rank that owns the body after it: a rank knows its neighbours' bodies before they
 /// migrate. A body that was unknown in the step before, such as a new one, counts from then on.
 /// Nothing is sent until total() is called. Costs one pass over the bodies that a rank knows in
-/// each step. Checkpoints hold the counts of each plane; a meter that the first run did not have
-/// starts at the restart.
+/// each step. Checkpoints hold the counts of each plane. A meter takes them if it is made before
+/// the file is read (in run(), before the simulate() that goes on); one that the first run did not
+/// have starts at the restart.
 template <class Scenario>
 class flow_meter {
  public:

@@ -47,9 +47,9 @@ namespace detail {
 
 /// The separator of a table by its first line.
 [[nodiscard, gnu::cold]] TALUS_INLINE char separator_of(const std::string& names) {
-  for (const char c : {',', ';', '\t', '|'})
+  for (const char c : {',', ';', '\t'})
     if (names.find(c) != std::string::npos) return c;
-  return ' ';
+  return fields_of(names, '|').size() > 3 ? '|' : ' ';  // |v| may be the name of a column
 }
 
 [[nodiscard, gnu::cold]] TALUS_INLINE std::string in_lower_case(std::string text) {
@@ -73,7 +73,14 @@ namespace detail {
   char separator = ',';
   detail::plain_vector<packed_sphere> spheres;
   std::string line;
-  for (std::size_t number = 1; detail::read_line(in, line); ++number) {
+  const auto next = [&] {
+    try {
+      return detail::read_line(in, line);
+    } catch (const std::exception& e) {
+      detail::fail<std::runtime_error>("the packing {} cannot be read: {}", file, e.what());
+    }
+  };
+  for (std::size_t number = 1; next(); ++number) {
     if (number == 1 && line.starts_with(detail::byte_order_mark))
       line.erase(0, detail::byte_order_mark.size());
     if (line.find_first_not_of(" \t") == std::string::npos || line[0] == '#') continue;

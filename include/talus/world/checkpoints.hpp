@@ -190,8 +190,9 @@ struct checkpoint_keeper {
     return k;
   }
   [[gnu::cold]] void require_new(const std::string& name) const {
-    if (name.empty())
-      fail<std::invalid_argument>("world.keep needs a name, by which the value is found again");
+    if (name.empty() || name.find('\n') != name.npos)
+      fail<std::invalid_argument>(
+          "world.keep needs a name in one line, by which the value is found again");
     for (const kept_value& v : values)
       if (v.name == name)
         fail<std::invalid_argument>(

@@ -66,7 +66,7 @@ class run_view {
     view_json end, dimensions;
     for (const recorded_value& r : w_.records().all()) {
       (names += names.empty() ? "" : ",") += detail::quoted_text(r.name);
-      if (!r.dimension.empty()) dimensions.add_text(r.name, in_units(r.dimension, w_.units()));
+      if (!r.dimension.empty()) dimensions.add_text(r.name, r.dimension);
     }
     end.add_raw("recorded", "[" + names + "]");
     end.add_raw("dimensions", dimensions.str());

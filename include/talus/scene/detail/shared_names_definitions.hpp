@@ -46,8 +46,8 @@ struct written_file {
   if (option != "--checkpoint" && option != "--log")
     all.push_back({"the configuration beside", path + ".config.toml"});
   if (option == "--frames") {
-    all.push_back({"the lock of", path + "/frames.lock"});
-    all.push_back({"a picture of", path + "/frame_", ".pov"});
+    all.push_back({"the lock of", plain_path(file.value + "/frames.lock")});
+    all.push_back({"a picture of", plain_path(file.value + "/frame_"), ".pov"});
   } else if (option == "--output") {
     for (const char* const end : ends_of_output) {
       const std::string index = index_of_output(output_name(path), end);

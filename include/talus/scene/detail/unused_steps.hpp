@@ -9,8 +9,8 @@
 namespace talus::detail {
 
 /// Whether calls of simulate() that asked for these numbers of steps may follow from `steps`: some
-/// in a row ask for as many (but for the remainders of a division), or the last of several reaches
-/// it.
+/// in a row ask for as many (but for the remainders of a division), one asks for twice as many, or
+/// the last of several reaches it.
 [[nodiscard, gnu::cold]] inline bool follow_from(const std::vector<std::uint64_t>& asked,
                                                  std::uint64_t steps) {
   constexpr std::size_t many = 1000;
@@ -18,6 +18,7 @@ namespace talus::detail {
   std::uint64_t all = 0;
   for (std::size_t first = 0; first < asked.size(); ++first) {
     all += asked[first];
+    if (asked[first] == 2 * steps) return true;
     std::uint64_t sum = 0;
     for (std::size_t k = first; k < asked.size() && sum <= steps; ++k) {
       sum += asked[k];
