@@ -67,7 +67,8 @@ def add_table(head, table):
 def require_replaceable(path, force):
     """Stops unless the file is absent, empty or a page of talus. With --force it may be another file or a symbolic link,
     but never a folder, a device, a pipe, a socket or the name of a stream: as talus::detail::inspect_target of programs."""
-    if os.path.normpath(path).startswith(("/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/self/fd/")):
+    place = os.path.join(os.path.realpath(os.path.dirname(path) or "."), os.path.basename(path))
+    if place in ("/dev/stdin", "/dev/stdout", "/dev/stderr") or place.startswith(("/dev/fd/", "/proc/")):
         sys.exit(f"view: {path} is a stream of this program, which a page must not replace: name a file")
     try:
         mode = os.lstat(path).st_mode

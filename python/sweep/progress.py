@@ -7,7 +7,8 @@ import time
 def write(text):
     """Writes to standard error. What cannot be written ends no run: from then on nothing is said."""
     try:
-        print(text, end="", file=sys.stderr, flush=True)
+        if sys.stderr is not None:  # it is closed
+            print(text, end="", file=sys.stderr, flush=True)
     except OSError:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")
 
@@ -27,7 +28,7 @@ class Progress:
     def __init__(self, count, done, jobs):
         self.count, self.before, self.jobs = count, done, jobs
         self.began, self.finished, self.failed = time.monotonic(), 0, 0
-        self.shown = sys.stderr.isatty()
+        self.shown = sys.stderr is not None and sys.stderr.isatty()
 
     def left(self, running):
         """Seconds until the end, from the mean pace of this session, in which runs under way count half."""

@@ -450,7 +450,8 @@ class Worlds(unittest.TestCase):
         self.assertEqual(world.step(1), 1)
 
     def test_a_fork_ends_as_usual_while_worlds_are_open(self):
-        for end in ("sys.exit(6)", "del world; sys.exit(6)", "world = None; drop.World().step(1); sys.exit(6)"):
+        for end in ("sys.exit(6)", "del world; sys.exit(6)", "world = None; drop.World().step(1); sys.exit(6)",
+                    "own = drop.World(); own.step(1); del world; own.step(1); del own; sys.exit(6)"):
             told = subprocess.run([sys.executable, "-c", f"import os, sys; sys.path.insert(0, {MODULES!r})\n"
                                    "import drop\nworld = drop.World()\nworld.step(3)\nchild = os.fork()\n"
                                    f"if child == 0: {end}\n"

@@ -128,6 +128,7 @@ TEST_CASE("packings are read, and bad rows are refused by their number") {
         "\"r\",\"x\",\"y\",\"z\",\"vx\"\n\"0.5\",\"1\",\"2\",\"3\",\"-1\"\n0.1,-1,0,0,0\n",
         "r\tx\ty\tz\tvx\tcolour\n0.5\t1\t2\t3\t-1\tdark red\n0.1\t-1\t0\t0\t0\t\n",
         "r  x y z   vx\n0.5 1   2 3\t-1\n 0.1 -1 0 0 0 \n",
+        "r [m], x [m], y [m], z [m], vx [m/s]\n0.5,1,2,3,-1\n0.1,-1,0,0,0\n",
         "r x y z vx |v|\n0.5 1 2 3 -1 1\n0.1 -1 0 0 0 0\n",
         "r | x | y | z | vx\n0.5 | 1 | 2 | 3 | -1\n0.1|-1|0|0|0\n",
         "r,x,y,z,vx\r0.5,1,2,3,-1\r0.1,-1,0,0,0",
@@ -143,11 +144,13 @@ TEST_CASE("packings are read, and bad rows are refused by their number") {
         ", line 2: y is '1,5', which is no finite number: decimals stand behind a point");
   CHECK(refusal_of("").find("is empty") != std::string::npos);
   CHECK(refusal_of("x,y,z\n") ==
-        ", line 1: there is no column r: the first line names the columns, of which x, y, z and r "
-        "are needed");
+        ", line 1: there is no column r among the 3 of the first line, which names them, of which "
+        "x, y, z and r are needed, with commas between them");
+  CHECK(refusal_of("x:y:z:r\n").find("column x among the 1 of the first line") !=
+        std::string::npos);
   CHECK(refusal_of("x,y,z,r,x\n") == ", line 1: the column x is there twice");
   CHECK(refusal_of("x,y,z,r\n0,0,0,1\n0,0,0\n") ==
-        ", line 3: it has 3 fields, and the first line 4 columns");
+        ", line 3: it has 3 fields, with commas between them, and the first line 4 columns");
   CHECK(refusal_of("x,y,z,r\n0,1.5x,0,1\n") == ", line 2: y is '1.5x', which is no finite number");
   CHECK(refusal_of("x,y,z,r\n0,,0,1\n") == ", line 2: y is '', which is no finite number");
   CHECK(refusal_of("x,y,z,r\n0,0,0,nan\n") == ", line 2: r is 'nan', which is no finite number");

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <filesystem>
 
 using namespace talus;
 
@@ -240,9 +241,14 @@ TEST_CASE("values that make no sense are refused") {
         std::array{"--output", "x", "x_joints_0000000010.hdf", "a file of --output", "--log"},
         std::array{"--output", "x", "x_0000000010.hdf", "a file of --output", "--restart"},
         std::array{"--frames", "d/", "d/./frame_00003.pov", "a picture of --frames", "--json"},
-        std::array{"--frames", ".", "frame_00003.pov", "a picture of --frames", "--csv"}})
+        std::array{"--frames", ".", "frame_00003.pov", "a picture of --frames", "--csv"},
+        std::array{"--output", "/tmp/x", "/tmp/../tmp/x_contacts.hdf.series",
+                   "an index of --output", "--json"}})
     CHECK(refusal({option, value, other, name}) ==
           fmt::format("{} {} is the name of {}: give it another one", other, name, what));
+  const std::string whole = std::filesystem::current_path().string() + "/x";
+  CHECK(refusal({"--csv", "x", "--json", whole.c_str()})
+            .find("--json and --csv name the same file") == 0);
   CHECK(refusal({"--frames", "d", "--json", "d/"}) ==
         "--json and --frames name the same file, d/: give each its own");
   for (const char* name :

@@ -99,7 +99,12 @@ struct three_stages {
                              .position = s.position,
                              .material = stone};
                });
+    real summed = 0;
+    std::uint64_t counted = 0;
+    random_stream dice(7, 1);
+    world.keep("summed", summed), world.keep_sum("counted", counted), world.keep("dice", dice);
     world.after_each_step([&] {
+      summed += dice.uniform(0, 1), counted += world.local_bodies();
       if (world.steps() == fails_in) throw std::runtime_error("the machine is switched off");
     });
     world.hold_force(lid, {.pressure = [](real t) { return 20 * t; }, .max_speed = 0.5});
@@ -123,7 +128,11 @@ struct three_stages {
     world.global([&](auto& scope) {
       upper = scope.add(plane{.normal = {0, 0, -1}, .offset = -(top + 0.5)}, wall);
     });
-    world.gravity({1, 0, -5});
+    // Kept values are those after the call, also where a restart leaves it out.
+    std::uint64_t all = counted;
+    world.link().reduce(reduction::sum, std::span(&all, 1));
+    world.gravity(
+        {1 + 1e-3 * dice.uniform(0, 1), 1e-6 * static_cast<real>(all), -5 - 1e-3 * summed});
     world.material_pair(stone, wall, {.friction = 0.8});
     world.drive(upper, gliding{{0, 0, -0.2 + 1e-9 * at[0]}});
     world.drive(floor, belt{{1, 0, 0}});
@@ -257,6 +266,11 @@ TEST_CASE("what looks at the bodies of the set-up in a restart is refused, with 
                 {})
                 .said,
             "add_if_local or fill"));
+  CHECK(
+      has(two_stages([](auto& w, auto&) { w.once("x", [&] {
+                                            w.gravity({0, 0, -1});
+                                          }); }, {}).said,
+          "world.once for 'x' changes a parameter of the world"));
   // A restart would take up the first call of simulate() at another step.
   CHECK(has(two_stages([](auto& w, auto&) { w.once("x", [&] { w.step(1e-4); }); }, {}).said,
             "world.once for 'x' makes steps"));

@@ -212,6 +212,10 @@ class Sweeps(unittest.TestCase):
         self.assertEqual(told.returncode, 0)
         self.assertEqual([r["status"] for r in self.rows()], ["done", "done"])
         self.assertEqual(len(self.started()), 2)
+        closed = subprocess.run(self.command("--vary", "friction=0.2,0.4,0.6"), env=self.environment, cwd=self.work, timeout=60,
+                                preexec_fn=lambda: (os.close(1), os.close(2)))
+        self.assertEqual(closed.returncode, 0)
+        self.assertEqual(len(self.started()), 3)
 
     def test_the_script_for_slurm_makes_each_run_once_and_names_the_collection(self):
         said = self.sweep("--vary", "friction=0.2,0.4,0.6", "--slurm", "--time", "00:10:00", "--jobs", "2")

@@ -149,7 +149,7 @@ class Foreign(unittest.TestCase):
             (self.folder / file).unlink()
         write_output(self.folder)
         self.assertIn("is a device", self.view("--csv", "/dev/zero", code=1).stderr)
-        for path in ("/dev/stdout", "/dev/./stderr", "/dev/fd/1", "/proc/self/fd/2"):  # as links, they would be replaced
+        for path in ("/dev/stdout", "//dev/stdout", "/dev/./stderr", "/dev/fd/1", "/proc/self/fd/2", "/proc/thread-self/fd/1"):  # as links, they would be replaced
             self.assertIn(f"{path} is a stream", self.view("--html", path, "--force", code=1).stderr)
         for path in ("/dev/zero", "/dev/null"):
             with self.assertRaisesRegex(talus.Error, "is a device"):

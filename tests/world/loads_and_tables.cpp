@@ -124,6 +124,18 @@ found examine(World& w, const std::string& name) {
   CHECK(sum.norm() < 1e-9 * most);
   CHECK(f.loads[1].force[2] < -20);  // on the slab
   CHECK_FALSE(measure_body(w, handle<sphere>{no_id}).exists);
+  // As add_if_local() returns them: other ranks have no handle.
+  std::vector<std::optional<handle<sphere>>> some(3);
+  for (std::size_t k = 0; k < 2; ++k)
+    if (const auto here = w.find(handle<sphere>{all[2 + k]}); here && !here->is_remote())
+      some[k] = handle<sphere>{all[2 + k]};
+  const auto loads = contact_forces(w, some);
+  for (std::size_t k = 0; k < 2; ++k) {
+    CHECK(distance(loads[k].force, f.loads[2 + k].force) == 0);
+    CHECK(distance(measure_body(w, some[k]).position, f.positions[2 + k]) == 0);
+  }
+  CHECK(loads[2].force.norm() == 0);
+  CHECK_FALSE(measure_body(w, some[2]).exists);
 
   const data_table bodies = body_table(w), contacts = contact_table(w);
   if (w.rank() != 0) {

@@ -50,6 +50,7 @@ class checkpoint_files final : public checkpoint_hooks {
         waiting_ = in.integers("/run/steps", 1)[0];
         past_ = get_course(in);
         get_once(in, checkpoint_access::keeper(w).once);
+        kept_after_calls_ = get_kept_after_calls(in);
         if (in.has("/run/configuration")) configuration_ = in.text("/run/configuration");
       } catch (const std::exception& e) {
         const std::string why = e.what();
@@ -89,7 +90,13 @@ class checkpoint_files final : public checkpoint_hooks {
     if ((came_to_its_end && !last_call) || state.steps + taken < *waiting_) {
       state.time = state.clock.after(state.time, state.steps, taken, s.dt);
       state.steps += taken;
-      ++checkpoint_access::keeper(w_).skipped;
+      auto& keeper = checkpoint_access::keeper(w_);
+      ++keeper.skipped;
+      // The program may read them now.
+      if (call < kept_after_calls_.size())
+        set_kept_in_order(kept_after_calls_[call], w_.rank(), keeper.values);
+      keeper.kept_after_calls.push_back(call < kept_after_calls_.size() ? kept_after_calls_[call]
+                                                                        : byte_buffer());
       return {.skips = true, .stopped = came_to_its_end && then->stopped};
     }
     const std::uint64_t last = state.steps + taken;
@@ -153,6 +160,12 @@ class checkpoint_files final : public checkpoint_hooks {
     save();
     if (asked > end_by) throw ended_early{now, asked - end_by};
     if (late) throw ended_early{now, 0, ended_early::cause::time_limit};
+  }
+  void end_call() override {
+    if (plan_.to.empty()) return;
+    auto& keeper = checkpoint_access::keeper(w_);
+    team_over team(w_.link());
+    keeper.kept_after_calls.push_back(bytes_of_kept(team, keeper.values));
   }
   void finish() override {
     if (!written_) save();
@@ -230,11 +243,12 @@ class checkpoint_files final : public checkpoint_hooks {
 
   world<Scenario>& w_;
   checkpoint_plan plan_;
-  std::optional<run_lock> lock_;          ///< on rank 0
-  std::optional<std::uint64_t> waiting_;  ///< the step of the file that is to be read
-  past_course past_;                      ///< of the run that wrote that file
-  std::string configuration_;             ///< of that run; empty if it is older than these
-  std::uint64_t calls_ = 0;               ///< of simulate(), until the file is read
+  std::optional<run_lock> lock_;               ///< on rank 0
+  std::optional<std::uint64_t> waiting_;       ///< the step of the file that is to be read
+  past_course past_;                           ///< of the run that wrote that file
+  std::vector<byte_buffer> kept_after_calls_;  ///< of that run
+  std::string configuration_;                  ///< of that run; empty if it is older than these
+  std::uint64_t calls_ = 0;                    ///< of simulate(), until the file is read
   unsigned heard_write_ = 0;  ///< how often, in the last poll; listening began with the program
   std::array<double, 2> said_{};
   double polled_ = wall_seconds();

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -48,6 +50,28 @@ constexpr system_id id_in(system_id id) { return id; }
 template <class Shape>
 constexpr system_id id_in(handle<Shape> h) {
   return h.id;
+}
+template <class Shape>
+constexpr system_id id_in(const std::optional<handle<Shape>>& h) {
+  return h ? h->id : no_id;
+}
+template <class Body>
+inline constexpr bool named_on_some_ranks = false;
+template <class Shape>
+inline constexpr bool named_on_some_ranks<std::optional<handle<Shape>>> = true;
+
+/// The ids of bodies that at least one rank names. Collective if only some ranks may.
+template <class Scenario, class Bodies>
+[[nodiscard]] std::vector<system_id> agreed_ids(world<Scenario>& w, const Bodies& bodies) {
+  std::vector<std::uint64_t> numbers;
+  numbers.reserve(std::size(bodies));
+  for (const auto& b : bodies) numbers.push_back(value_of(id_in(b)));
+  if constexpr (named_on_some_ranks<std::remove_cvref_t<decltype(*std::begin(bodies))>>)
+    w.link().reduce(reduction::min, std::span<std::uint64_t>(numbers));
+  std::vector<system_id> ids;
+  ids.reserve(numbers.size());
+  for (const std::uint64_t n : numbers) ids.push_back(system_id{n});
+  return ids;
 }
 
 /// Collective: the loads of the bodies of a table, in its order.
@@ -105,7 +129,8 @@ template <class Scenario>
 
 /// Collective: contact_force() of each body, and contact_torque() about its position, alike on all
 /// ranks: of any number of bodies in one pass over the contacts and one exchange. `bodies` is a
-/// vector or array of handles or ids, the same on all ranks; the loads are in its order. The sums
+/// vector or array of handles or ids, the same on all ranks, or of what add_if_local() returns, as
+/// long on all; the loads are in its order. The sums
 /// do not depend on the number of ranks. Zero for a body that does not exist, and before the first
 /// step.
 template <class Scenario, class Bodies>
@@ -116,8 +141,7 @@ template <class Scenario, class Bodies>
   std::size_t different = 0;
   std::vector<std::uint32_t> at;
   at.reserve(std::size(bodies));
-  for (const auto& b : bodies) {
-    const system_id id = detail::id_in(b);
+  for (const system_id id : detail::agreed_ids(w, bodies)) {
     if (!ids.has(id)) ids.add(id), ++different;
     at.push_back(ids.find(id));
   }
@@ -187,6 +211,12 @@ template <class Scenario, class Shape>
   r.fixed = sums[16] != 0, r.global = sums[17] != 0;
   r.owner = static_cast<int>(sums[18]);
   return r;
+}
+/// Collective: the body that add_if_local() has added, which only some ranks have a handle of.
+template <class Scenario, class Shape>
+[[nodiscard]] body_reading measure_body(world<Scenario>& w, const std::optional<handle<Shape>>& h) {
+  w.require_all_ranks("measure_body");
+  return measure_body(w, handle<Shape>{detail::agreed_ids(w, std::span(&h, 1))[0]});
 }
 
 }  // namespace talus

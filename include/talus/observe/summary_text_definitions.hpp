@@ -153,15 +153,18 @@ TALUS_INLINE std::string to_text(const summary& r) {
         above_tolerance(r) ? ", the last among them" : "", r.solver.max_iterations);
   if (dt_above_critical(r))
     warning += detail::compose(
-        "  warning  dt {} is above the critical time step {} of the soft contacts: the results "
+        "  warning  dt {}{} is above the critical time step {}{} of the soft contacts: the results "
         "mean nothing; take a fifth of it or less\n",
-        text(longest_step(r), 6), text(r.critical_dt, 4));
+        text(longest_step(r), 6), unit_behind("T", r.units), text(r.critical_dt, 4),
+        unit_behind("T", r.units));
   else if (contacts_unresolved(r))
     warning += detail::compose(
-        "  warning  the shortest contact, at the impact speed {} that occurred, takes {} steps of "
-        "{}, and 20 to 50 are needed: take critical_dt(world, {}) / 5\n",
-        text(r.shortest_contact_speed, 3), text(r.steps_per_contact, 3),
-        text(r.shortest_contact_dt, 6), text(r.shortest_contact_speed, 3));
+        "  warning  the shortest contact, at the impact speed {}{} that occurred, takes {} steps "
+        "of "
+        "{}{}, and 20 to 50 are needed: take critical_dt(world, {}) / 5\n",
+        text(r.shortest_contact_speed, 3), unit_behind("L/T", r.units),
+        text(r.steps_per_contact, 3), text(r.shortest_contact_dt, 6), unit_behind("T", r.units),
+        text(r.shortest_contact_speed, 3));
   warning += detail::balance_warnings(r);
   warning += detail::warnings_of_scales({.bodies = r.moving.bodies,
                                          .movable = r.moving.movable,

@@ -74,7 +74,8 @@ class scene_thread {
   void close() {
     if (!thread_.joinable()) return;
     if (!here()) {  // a fork has no copy of the thread, which may hold the mutex or wait there
-      thread_.detach();
+      // Another thread of the fork may have its number: it must not be detached or joined.
+      new std::thread(std::move(thread_));
       (void)turns_.release();  // the end of a condition variable waits for its waiters
       return;
     }

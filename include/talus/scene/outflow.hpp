@@ -40,7 +40,7 @@ class outflow {
   /// Collective: by all ranks. The mass is summed exactly over the ranks.
   template <class World>
   [[nodiscard]] removed total(World& w) const {
-    w.require_all_ranks("outflow::total");
+    w.require_all_ranks("outflow::total", false);  // kept, as after each call of simulate()
     detail::exact_sum mass = count_->mass;
     std::uint64_t count = count_->count;
     detail::sum_exactly(w.link(), mass);

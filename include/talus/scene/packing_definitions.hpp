@@ -52,6 +52,19 @@ namespace detail {
   return fields_of(names, '|').size() > 3 ? '|' : ' ';  // |v| may be the name of a column
 }
 
+[[nodiscard, gnu::cold]] TALUS_INLINE const char* word_of(char separator) {
+  return separator == ','    ? "commas"
+         : separator == ';'  ? "semicolons"
+         : separator == '\t' ? "tabs"
+         : separator == '|'  ? "bars"
+                             : "blanks";
+}
+/// The name of a column such as "x [mm]".
+[[nodiscard, gnu::cold]] TALUS_INLINE std::string without_unit(const std::string& head) {
+  const auto at = head.find(" [");
+  return at == std::string::npos || head.back() != ']' ? head : head.substr(0, at);
+}
+
 [[nodiscard, gnu::cold]] TALUS_INLINE std::string in_lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
@@ -90,21 +103,25 @@ namespace detail {
       columns = fields.size();
       for (std::size_t c = 0; c < columns; ++c)
         for (std::size_t k = 0; k < 7; ++k)
-          if (detail::in_lower_case(fields[c]) == names[k]) {
+          if (detail::in_lower_case(detail::without_unit(fields[c])) == names[k]) {
             if (column[k] != none)
               refuse(number, detail::compose("the column {} is there twice", names[k]));
             column[k] = c;
           }
       for (std::size_t k = 0; k < 4; ++k)
         if (column[k] == none)
-          refuse(number, detail::compose("there is no column {}: the first line names the columns, "
-                                         "of which x, y, z and r are needed",
-                                         names[k]));
+          refuse(number,
+                 detail::compose("there is no column {} among the {} of the first line, which "
+                                 "names them, of which x, y, z and r are needed, with {} "
+                                 "between them",
+                                 names[k], columns, detail::word_of(separator)));
       continue;
     }
     if (fields.size() != columns)
-      refuse(number, detail::compose("it has {} fields, and the first line {} columns",
-                                     fields.size(), columns));
+      refuse(number,
+             detail::compose("it has {} fields, with {} between them, and the first line {} "
+                             "columns",
+                             fields.size(), detail::word_of(separator), columns));
     real value[7] = {};
     for (std::size_t k = 0; k < 7; ++k) {
       if (column[k] == none) continue;

@@ -56,6 +56,8 @@ struct checkpoint_hooks {
   virtual void after_step() = 0;
   /// `ends`: this call of simulate() makes no further step.
   virtual void after_observers(bool ends) = 0;
+  /// A call of simulate() that made steps, or went on from a file, ends.
+  virtual void end_call() = 0;
   /// After the last call of simulate(): writes the state, unless its file is of this step.
   virtual void finish() = 0;
   /// Whether the run writes its state to that file. On rank 0 alone.
@@ -108,6 +110,8 @@ struct checkpoint_keeper {
   std::string configuration;                ///< of the run, alike on all ranks
   std::unique_ptr<checkpoint_hooks> hooks;  ///< null if no file is requested
   detail::course course;                    ///< the calls of simulate()
+  /// The bytes of `values` after each call of simulate() that has ended. On rank 0 with all sums.
+  std::vector<byte_buffer> kept_after_calls;
   /// Calls of simulate() that a restart has skipped so far: the bodies are those of the set-up.
   std::uint64_t skipped = 0;
 

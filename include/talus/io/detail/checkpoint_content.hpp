@@ -142,6 +142,7 @@ template <class Scenario>
   put_interactions(s, out);
   put_kept(team, "/kept", keeper.values, out);
   put_kept(team, "/meters", keeper.meters, out);
+  put_kept_after_calls(keeper.kept_after_calls, out);
   if constexpr (world_state<Scenario>::law::soft) put_step_lengths(team, s, out);
   put_monitors(team, s, out);
   put_lists(s, out);

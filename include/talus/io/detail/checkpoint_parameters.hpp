@@ -89,6 +89,17 @@ template <class Scenario>
 /// Collective, because of the sums.
 [[gnu::cold]] void put_kept(checkpoint_team& team, const std::string& group,
                             const std::vector<kept_value>& values, std::vector<small_dataset>& out);
+/// The bytes of values, with sums over all ranks on rank 0. Collective.
+[[nodiscard, gnu::cold]] byte_buffer bytes_of_kept(checkpoint_team& team,
+                                                   const std::vector<kept_value>& values);
+/// Sets values from such bytes, which may end before the last of them.
+[[gnu::cold]] void set_kept_in_order(const byte_buffer& bytes, int rank,
+                                     const std::vector<kept_value>& values);
+/// The values after each call of simulate() that has ended.
+[[gnu::cold]] void put_kept_after_calls(const std::vector<byte_buffer>& all,
+                                        std::vector<small_dataset>& out);
+/// Empty for a file of earlier versions.
+[[nodiscard, gnu::cold]] std::vector<byte_buffer> get_kept_after_calls(const checkpoint_reader& in);
 /// Throws runtime_error unless the file has kept the same values by world.keep().
 [[gnu::cold]] void require_kept(const checkpoint_reader& in, const std::vector<kept_value>& values);
 /// Sets those of the values that a file has.

@@ -108,15 +108,11 @@ TALUS_HDF5_INLINE std::string names_of(const std::vector<kept_value>& values) {
   return names;
 }
 
-TALUS_HDF5_INLINE void put_kept(checkpoint_team& team, const std::string& group,
-                                const std::vector<kept_value>& values,
-                                std::vector<small_dataset>& out) {
-  std::vector<std::uint64_t> kinds;
+TALUS_HDF5_INLINE byte_buffer bytes_of_kept(checkpoint_team& team,
+                                            const std::vector<kept_value>& values) {
   byte_buffer bytes;
   byte_writer to(bytes);
   for (const kept_value& v : values) {
-    kinds.push_back(static_cast<std::uint64_t>(v.means));
-    kinds.push_back(v.bytes);
     if (v.means == kept_value::kind::alike) {
       const auto* at = static_cast<const std::byte*>(v.at);
       bytes.insert(bytes.end(), at, at + v.bytes);
@@ -142,6 +138,16 @@ TALUS_HDF5_INLINE void put_kept(checkpoint_team& team, const std::string& group,
       to.put(sum);
     }
   }
+  return bytes;
+}
+
+TALUS_HDF5_INLINE void put_kept(checkpoint_team& team, const std::string& group,
+                                const std::vector<kept_value>& values,
+                                std::vector<small_dataset>& out) {
+  std::vector<std::uint64_t> kinds;
+  for (const kept_value& v : values)
+    kinds.insert(kinds.end(), {static_cast<std::uint64_t>(v.means), v.bytes});
+  byte_buffer bytes = bytes_of_kept(team, values);
   out.push_back(text_dataset(group + "/names", names_of(values)));
   out.push_back(numbers_dataset<std::uint64_t>(group + "/kinds", kinds, 2));
   out.push_back({group + "/values", number_type::u8, bytes.size(), 1, bytes});
@@ -208,6 +214,45 @@ TALUS_HDF5_INLINE void get_kept(const checkpoint_reader& in, const std::string& 
     }
     name = end + 1, first += size;
   }
+}
+
+TALUS_HDF5_INLINE void set_kept_in_order(const byte_buffer& bytes, int rank,
+                                         const std::vector<kept_value>& values) {
+  std::size_t first = 0;
+  for (const kept_value& v : values) {
+    const std::size_t size = v.stored_bytes();
+    if (size > bytes.size() - first) return;  // the others have been named later
+    byte_reader from({bytes.data() + first, size});
+    set_kept(v, rank, from);
+    first += size;
+  }
+}
+
+TALUS_HDF5_INLINE void put_kept_after_calls(const std::vector<byte_buffer>& all,
+                                            std::vector<small_dataset>& out) {
+  std::vector<std::uint64_t> sizes;
+  byte_buffer bytes;
+  for (const byte_buffer& one : all) {
+    sizes.push_back(one.size());
+    bytes.insert(bytes.end(), one.begin(), one.end());
+  }
+  out.push_back(numbers_dataset<std::uint64_t>("/kept/sizes_after_calls", sizes));
+  out.push_back({"/kept/after_calls", number_type::u8, bytes.size(), 1, bytes});
+}
+
+TALUS_HDF5_INLINE std::vector<byte_buffer> get_kept_after_calls(const checkpoint_reader& in) {
+  std::vector<byte_buffer> all;
+  if (!in.has("/kept/sizes_after_calls")) return all;
+  const auto bytes = in.numbers<std::byte>("/kept/after_calls", number_type::u8);
+  auto from = bytes.begin();
+  for (const std::uint64_t size : in.integers("/kept/sizes_after_calls")) {
+    if (size > static_cast<std::uint64_t>(bytes.end() - from))
+      fail<std::runtime_error>("is damaged: the values of world.keep after call {} are cut off",
+                               all.size() + 1);
+    const auto to = from + static_cast<std::ptrdiff_t>(size);
+    all.emplace_back(from, to), from = to;
+  }
+  return all;
 }
 
 TALUS_HDF5_INLINE std::string sorted_list_text(const char* name, std::vector<std::string> items) {

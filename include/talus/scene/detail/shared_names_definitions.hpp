@@ -1,5 +1,6 @@
 #pragma once
 // The definitions of shared_names.hpp, in the compiled part or in each program.
+#include <cstdlib>
 #include <string_view>
 #include <vector>
 
@@ -24,6 +25,26 @@ namespace talus::detail {
   return plain;
 }
 
+/// The same file has the same path, whether it is named from the working folder or not, and through
+/// links of folders that exist.
+[[nodiscard, gnu::cold]] inline std::string place_of(const std::string& path) {
+  const std::string plain = plain_path(path);
+  const auto slash = plain.find_last_of('/');
+  const std::string folder = slash == plain.npos ? "." : plain.substr(0, slash + 1);
+  const std::string name = slash == plain.npos ? plain : plain.substr(slash + 1);
+  char* const found = ::realpath(folder.c_str(), nullptr);
+  if (found != nullptr && name != "..") {
+    std::string place = found;
+    std::free(found);
+    return plain_path(place + '/' + name);
+  }
+  std::free(found);
+  char* const here = plain.starts_with('/') ? nullptr : ::realpath(".", nullptr);
+  const std::string from = here == nullptr ? "" : here;
+  std::free(here);
+  return plain_path(from + '/' + plain);
+}
+
 /// A file that a run writes for an option, or with `end` the files BEGIN<digits>END.
 struct written_file {
   const char* meaning;  ///< as in "the lock of"
@@ -41,13 +62,13 @@ struct written_file {
 /// What a run writes beside the file that an option names.
 [[nodiscard, gnu::cold]] inline std::vector<written_file> written_beside(const named_file& file) {
   std::vector<written_file> all;
-  const std::string path = plain_path(file.value), &option = file.option;
+  const std::string path = place_of(file.value), &option = file.option;
   if (option == "--restart") return all;
   if (option != "--checkpoint" && option != "--log")
     all.push_back({"the configuration beside", path + ".config.toml"});
   if (option == "--frames") {
-    all.push_back({"the lock of", plain_path(file.value + "/frames.lock")});
-    all.push_back({"a picture of", plain_path(file.value + "/frame_"), ".pov"});
+    all.push_back({"the lock of", place_of(file.value + "/frames.lock")});
+    all.push_back({"a picture of", place_of(file.value + "/frame_"), ".pov"});
   } else if (option == "--output") {
     for (const char* const end : ends_of_output) {
       const std::string index = index_of_output(output_name(path), end);
@@ -65,12 +86,12 @@ TALUS_INLINE void refuse_shared_names(std::span<const named_file> files) {
   const auto unnamed = [](const named_file& f) { return f.value.empty() || is_stream(f.value); };
   for (const named_file& a : files) {
     if (unnamed(a) || a.option == "--output") continue;  // its value is the name of no file
-    const std::string path = plain_path(a.value);
+    const std::string path = place_of(a.value);
     for (const named_file& b : files) {
       if (&a == &b || unnamed(b)) continue;
       const bool pair = (a.option == "--checkpoint" && b.option == "--restart") ||
                         (a.option == "--restart" && b.option == "--checkpoint");
-      if (!pair && &a < &b && b.option != "--output" && path == plain_path(b.value))
+      if (!pair && &a < &b && b.option != "--output" && path == place_of(b.value))
         throw usage_error(compose("{} and {} name the same file, {}: give each its own", a.option,
                                   b.option, a.value));
       for (const written_file& beside : written_beside(b))

@@ -38,6 +38,7 @@ auto world<Scenario>::once(const std::string& name, F&& f) {
     } else {
       const auto added = added_here_;
       const auto before = state_.steps;
+      const detail::parameters given = detail::parameters_of(state_);
       const auto note = [&](detail::byte_buffer bytes) {
         if (added_here_ != added)
           detail::fail<std::logic_error>(
@@ -49,6 +50,11 @@ auto world<Scenario>::once(const std::string& name, F&& f) {
           detail::fail<std::logic_error>(
               "the function of world.once for '{}' makes steps, which a restart would leave out: "
               "call simulate outside of it",
+              name);
+        if (detail::parameters_of(state_) != given)
+          detail::fail<std::logic_error>(
+              "the function of world.once for '{}' changes a parameter of the world, such as "
+              "gravity, which a restart would leave out: change it outside of world.once",
               name);
         keeper_.once.push_back({name, std::move(bytes), fills_, attempts_, true});
       };

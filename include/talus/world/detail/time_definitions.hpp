@@ -204,6 +204,7 @@ void world<Scenario>::simulate(const simulation& s) {
   if constexpr (keeps) {
     keeper_.course.end(state_.steps);
     keeper_.after_call = detail::parameters_of(state_);
+    if (hooks != nullptr) hooks->end_call();
   }
   detail::close_ledger(state_);
   (void)audit();
