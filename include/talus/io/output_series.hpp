@@ -1,5 +1,6 @@
 #pragma once
-// The names of the files of --output, and existing files at the place of a series of numbered files.
+// The names of the files of --output, and existing files at the place of a series of numbered
+// files.
 #include <dirent.h>
 
 #include <cstddef>
