@@ -141,9 +141,10 @@ TALUS_INLINE void options::describe(command_line& cli) {
       throw usage_error("--max-iterations needs --tolerance; see --help");
     needs(output, "--output-every", "--output NAME");
     for (const char* name : {"--view-every", "--view-contacts"}) needs(view, name, "--view FILE");
-    const detail::named_file files[] = {
-        {"--view", view},       {"--json", json}, {"--csv", csv},       {"--checkpoint", checkpoint},
-        {"--restart", restart}, {"--log", log},   {"--output", output}, {"--frames", frames}};
+    const detail::named_file files[] = {{"--view", view},       {"--json", json},
+                                        {"--csv", csv},         {"--checkpoint", checkpoint},
+                                        {"--restart", restart}, {"--log", log},
+                                        {"--output", output},   {"--frames", frames}};
     detail::refuse_shared_names(files);
     if (output.empty() && output_surfaces)
       throw usage_error("--output-surfaces needs --output NAME; see --help");
