@@ -66,6 +66,7 @@ TALUS_INLINE exit_guard::exit_guard(const run_place& place, const std::string& n
   place_of_this_thread = &place;
   run_under_way& run = current_run();
   const std::lock_guard lock(run.mutex);
+  if (run.process != ::getpid()) run.ranks = 0;  // those of the process that has forked
   ++run.ranks;
   run.process = ::getpid();
   run.name = name, run.json = options.json, run.force = options.force, run.log = &log;
