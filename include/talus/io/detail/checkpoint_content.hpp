@@ -141,7 +141,7 @@ template <class Scenario>
     out.push_back(numbers_dataset<double>("/materials/rules", numbers_of(s.materials.rules())));
   put_interactions(s, out);
   put_kept(team, "/kept", keeper.values, out);
-  put_kept(team, "/meters", keeper.meters, out);
+  if (!keeper.meters.empty()) put_kept(team, "/meters", keeper.meters, out);
   put_kept_after_calls(keeper.kept_after_calls, out);
   if constexpr (world_state<Scenario>::law::soft) put_step_lengths(team, s, out);
   put_monitors(team, s, out);

@@ -95,10 +95,10 @@ template <class Scenario>
 /// Sets values from such bytes, which may end before the last of them.
 [[gnu::cold]] void set_kept_in_order(const byte_buffer& bytes, int rank,
                                      const std::vector<kept_value>& values);
-/// The values after each call of simulate() that has ended.
+/// The values after each call of simulate() that has ended; nothing if no value is kept.
 [[gnu::cold]] void put_kept_after_calls(const std::vector<byte_buffer>& all,
                                         std::vector<small_dataset>& out);
-/// Empty for a file of earlier versions.
+/// Empty for a file without them.
 [[nodiscard, gnu::cold]] std::vector<byte_buffer> get_kept_after_calls(const checkpoint_reader& in);
 /// Throws runtime_error unless the file has kept the same values by world.keep().
 [[gnu::cold]] void require_kept(const checkpoint_reader& in, const std::vector<kept_value>& values);

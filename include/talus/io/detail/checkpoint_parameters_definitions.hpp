@@ -236,6 +236,7 @@ TALUS_HDF5_INLINE void put_kept_after_calls(const std::vector<byte_buffer>& all,
     sizes.push_back(one.size());
     bytes.insert(bytes.end(), one.begin(), one.end());
   }
+  if (bytes.empty()) return;
   out.push_back(numbers_dataset<std::uint64_t>("/kept/sizes_after_calls", sizes));
   out.push_back({"/kept/after_calls", number_type::u8, bytes.size(), 1, bytes});
 }
