@@ -76,6 +76,8 @@ struct three_stages {
   real height = 0;
   flow fallen;            ///< through the height of 1, in all stages
   double approached = 0;  ///< the fastest approach of two bodies
+  std::uint64_t counted_in_first = 0;
+  real summed_in_first = 0;  ///< kept values, read after the first call
   std::uint64_t fails_in = 0;
 
   template <class World, class Options>
@@ -131,6 +133,7 @@ struct three_stages {
     // Kept values are those after the call, also where a restart leaves it out.
     std::uint64_t all = counted;
     world.link().reduce(reduction::sum, std::span(&all, 1));
+    const real summed_then = summed;
     world.gravity(
         {1 + 1e-3 * dice.uniform(0, 1), 1e-6 * static_cast<real>(all), -5 - 1e-3 * summed});
     world.material_pair(stone, wall, {.friction = 0.8});
@@ -142,14 +145,17 @@ struct three_stages {
     const std::string now = state_digest(world);
     const flow passed = level.total();
     const double fastest = summarize(world, 0, 0).impact_speed_max;
-    if (world.rank() == 0) digest = now, height = top, fallen = passed, approached = fastest;
+    if (world.rank() == 0) {
+      digest = now, height = top, fallen = passed, approached = fastest;
+      counted_in_first = all, summed_in_first = summed_then;
+    }
   }
 };
 
 }  // namespace
 
 TEST_CASE("a restart in any stage gives the bits of a run without interruption") {
-  for (const char* ranks : {"1", "2"}) {
+  for (const char* ranks : {"1", "2", "4"}) {
     CAPTURE(ranks);
     const scratch files;
     for (const auto& [every, fails_in] : {std::pair{70, 100},
@@ -181,6 +187,31 @@ TEST_CASE("a restart in any stage gives the bits of a run without interruption")
       CHECK(rest.fallen.backward == whole.fallen.backward);
       CHECK(rest.approached == whole.approached);
     }
+  }
+}
+
+TEST_CASE("a restart on other ranks reads what was kept after the calls that it leaves out") {
+  for (const auto& [before, after] : {std::pair{"1", "4"}, {"4", "2"}, {"2", "1"}}) {
+    CAPTURE(before);
+    CAPTURE(after);
+    const scratch files;
+    const auto with = [](const char* ranks) {
+      return std::vector<std::string>{"--ranks", ranks, "--dt", "0.002", "--checkpoint-every",
+                                      "70"};
+    };
+    three_stages whole, first, rest;
+    CHECK(program(files, with(before), whole).code == 0);
+    first.fails_in = 300;
+    CHECK(program(files, with(before), first).code == 1);
+    auto more = with(after);
+    more.insert(more.end(), {"--restart", files.file});
+    const ended e = program(files, more, rest);
+    CHECK_MESSAGE(e.code == 0, e.said);
+    CHECK(rest.counted_in_first == whole.counted_in_first);
+    CHECK(rest.counted_in_first > 1000);
+    CHECK(rest.summed_in_first == whole.summed_in_first);
+    CHECK(rest.height == whole.height);
+    CHECK(rest.fallen.forward == whole.fallen.forward);
   }
 }
 
