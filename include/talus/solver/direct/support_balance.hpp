@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "talus/constraint/coulomb.hpp"
+#include "talus/constraint/coulomb_block.hpp"
 #include "talus/constraint/island_contact.hpp"
 #include "talus/constraint/natural_map.hpp"
 #include "talus/core/contact_vector.hpp"
@@ -345,15 +345,21 @@ class support_balance : public support_graph {
       all =
           c.open ? velocity(c)[0] >= -least_ : std::hypot(r[1], r[2]) <= contact(c).friction * r[0];
     }
+    if (all) return;
+    own_.clear();
+    for (std::size_t k = first; k < end; ++k) {
+      const support& c = supports_[k];
+      const mat3 turning = contact(c).axes * cross_matrix(arm(c));
+      mat3 own = turning * inverse_inertia(body) * turning.transpose();
+      for (int i = 0; i < 3; ++i) own(i, i) += inverse_mass(body);
+      own_.emplace_back().set(own);
+    }
     for (int sweep = 0; sweep < most_sweeps && !all; ++sweep) {
       all = true;
       for (std::size_t k = first; k < end; ++k) {
         const support& c = supports_[k];
-        const mat3 turning = contact(c).axes * cross_matrix(arm(c));
-        mat3 own = turning * inverse_inertia(body) * turning.transpose();
-        for (int i = 0; i < 3; ++i) own(i, i) += inverse_mass(body);
         const vec3 now = r_(c.contact);
-        const vec3 next = solve_coulomb(own, velocity(c) - own * now, contact(c).friction);
+        const vec3 next = own_[k - first].solve(now, velocity(c), contact(c).friction);
         if (!all_finite(next)) continue;
         all = all && inverse_mass(body) * (next - now).norm() <= 0.1 * least_;
         change(c, next - now);
@@ -365,6 +371,7 @@ class support_balance : public support_graph {
   plain_vector<body_motion> v_;     ///< with the impulses so far
   plain_vector<body_motion> rest_;  ///< if it rests on the bodies below
   body_pivot pivot_;
+  plain_vector<coulomb_block> own_;  ///< of the supports of one body
   real least_ = 0, rho_ = 1;
 };
 
