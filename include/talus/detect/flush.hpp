@@ -122,6 +122,19 @@ template <class Solid>
     return m.cross(n).norm() <= real(1e-6) || m.dot(p) - offset <= 0;
   });
 }
+/// Whether the way from one point to another leads through the solid, deeper than the tolerance.
+template <class Solid>
+[[nodiscard]] bool leads_through(const Solid& solid, const vec3& from, const vec3& to,
+                                 real tolerance) {
+  real first = 0, last = 1;  // the part of the way that is below all faces so far
+  return solid.each_face([&](const vec3& m, real offset) {
+    const real start = m.dot(from) - offset + tolerance, end = m.dot(to) - offset + tolerance;
+    if (start > 0 && end > 0) return false;
+    if (start > 0) first = std::max(first, start / (start - end));
+    if (end > 0) last = std::min(last, start / (start - end));
+    return first < last;
+  });
+}
 /// Calls f(way, q) for the points q beside p, at the distance `way` in the plane with the normal n,
 /// that are just outside the solid. (A prism has no outside below: it ends there for no reason.)
 template <class Solid, class F>

@@ -11,8 +11,8 @@
 
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/detect/flush.hpp"
-#include "talus/detect/nearest_on_triangle.hpp"
 #include "talus/pairs/filtered_pairs.hpp"
+#include "talus/shape/nearest_on_triangle.hpp"
 #include "talus/state/kinematic_bodies.hpp"
 #include "talus/state/state.hpp"
 
@@ -50,6 +50,8 @@ class flush_surface {
   /// The sine of an angle between two faces that counts as zero, and between a face and the normal
   /// of a curved body, which has a contact of its own with each face under it.
   static constexpr real level = 1e-3, level_of_curved = 1e-6;
+  /// How far beyond a solid a face has to be in view, as a part of the radius of the other body.
+  static constexpr real view_part = 0.01;
 
  public:
   flush_surface(state_type& s, const contact_with_fixed& c)
@@ -189,13 +191,22 @@ class flush_surface {
   /// Searches for curved bodies give points beside it, by less than that.
   template <class Solid>
   [[nodiscard]] vec3 on_edge(const Solid& solid, vec3 q, const vec3& n) const {
-    constexpr real near = 1e-4, along = 1e-6;
+    constexpr real along = 1e-6;
+    const real near = real(1e-4) * c_.radius;
+    vec3 first(0, 0, 0);  // the face that is most along n
+    solid.each_face([&](const vec3& m, real offset) {
+      if (offset - m.dot(q) <= near && m.dot(n) > std::max(along, first.dot(n))) first = m;
+      return true;
+    });
+    // The others at an edge with this normal are along what is left of it, also where both lean.
+    const vec3 left = n - first.dot(n) * first;
     bool more = true;
     for (int k = 0; k < 8 && more; ++k) {  // faces need not be at right angles
       more = false;
       solid.each_face([&](const vec3& m, real offset) {
         const real below = offset - m.dot(q);
-        if (below > 0 && below <= near * c_.radius && m.dot(n) > along) q += below * m, more = true;
+        if (below > 0 && below <= near && (m == first || m.dot(left) > along))
+          q += below * m, more = true;
         return true;
       });
     }
@@ -267,12 +278,37 @@ class flush_surface {
       each_way_out(solid, p, n, tolerance, [&](real way, const vec3& q) {
         const vec3 there = at.to_world(q);
         if (way >= on_surface || way > 2 * c_.radius || is_covered(number, there, face)) return;
+        const vec3 outwards = rotated(at.orientation, vec3((q - p) / way));
+        if (!c_.round && !is_in_view(number, there, outwards, face)) return;
         nearest = std::min(nearest, way);
         if (reaches(number, there, tolerance)) on_surface = way;
       });
       free = free || on_surface <= 2 * nearest + 8 * tolerance;
     });
     return free || !any;
+  }
+  /// Whether the centre of the other body is in view from the face of this body, at a point beside
+  /// the solid or next to it: not from a groove under an edge that they share. Where two grooves
+  /// cross, a point in one of them may see it through the other.
+  [[nodiscard]] bool is_in_view(std::uint32_t number, const vec3& p, const vec3& outwards,
+                                const vec3& face) const {
+    const real far = view_part * c_.radius;
+    const vec3 there = p + far * outwards, side = far * face.cross(outwards);
+    return sees(number, there) && (sees(number, there + side) || sees(number, there - side));
+  }
+  /// Whether no body on the way from a point to the centre of the other body is in between.
+  [[nodiscard]] bool sees(std::uint32_t number, const vec3& p) const {
+    const real tolerance = real(0.01) * view_part * c_.radius;
+    bool free = true;
+    const auto look = [&](std::uint32_t past) {
+      each_solid(past, p, tolerance, [&](const auto& solid, const pose& at) {
+        free = !leads_through(solid, at.to_body(p), at.to_body(c_.centre), tolerance);
+        return free;
+      });
+      return free;
+    };
+    if (look(number)) s_.flush.each_near(number, p, reach_of(number), look);
+    return free;
   }
   [[nodiscard]] bool is_covered(std::uint32_t number, const vec3& p, const vec3& n) const {
     const auto& f = s_.flush;

@@ -18,6 +18,7 @@
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/shared_data.hpp"
+#include "talus/shape/nearest_on_triangle.hpp"
 
 namespace talus::detail {
 
@@ -44,6 +45,7 @@ struct triangle_tree {
   plain_vector<node> nodes;
   real bounding_radius = 0, area = 0;
   vec3 half{0, 0, 0};  ///< of the box around all
+  bool sharp = false;  ///< whether two triangles meet at less than a right angle
   content_id id;
 
   [[nodiscard]] const vec3& corner(std::uint32_t triangle, std::size_t k) const {
@@ -93,6 +95,7 @@ struct triangle_tree {
     m.order.resize(m.triangles.size());
     std::iota(m.order.begin(), m.order.end(), 0u);
     m.divide(0, static_cast<std::uint32_t>(m.order.size()));
+    m.find_sharp_edges();
     byte_buffer bytes;
     byte_writer out(bytes);
     out.put(std::span<const vec3>(m.vertices)), out.put(std::span<const corners>(m.triangles));
@@ -166,6 +169,33 @@ struct triangle_tree {
       for (const std::uint32_t v : list) around.push_back(v);
     }
     around_begin.push_back(static_cast<std::uint32_t>(around.size()));
+  }
+
+  void find_sharp_edges() {
+    const real near = real(1e-7) * bounding_radius;
+    for (std::uint32_t t = 0; t < triangles.size() && !sharp; ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const vec3 &a = corner(t, k), &b = corner(t, (k + 1) % 3);
+        const vec3 middle = real(0.5) * (a + b), along = (b - a).normalized();
+        // From the edge into a triangle, across the edge.
+        const auto into = [&](std::uint32_t other) {
+          const vec3 way = (corner(other, 0) + corner(other, 1) + corner(other, 2)) / 3 - middle;
+          return vec3((way - along.dot(way) * along).normalized());
+        };
+        const auto meet = [&](std::uint32_t other) {
+          sharp = sharp || into(t).dot(into(other)) > real(1e-6);
+        };
+        if (neighbours[t][k] != none) {
+          meet(neighbours[t][k]);
+          continue;
+        }
+        const vec3 reach(near, near, near);
+        each_within(middle - reach, middle + reach, [&](std::uint32_t other) {
+          const vec3 p =
+              nearest_on_triangle(middle, corner(other, 0), corner(other, 1), corner(other, 2)).at;
+          if (other != t && (p - middle).norm() <= near) meet(other);
+        });
+      }
   }
 
   /// Appends the node of order[from, to) and all below it: halves along the longest side.

@@ -10,7 +10,8 @@
 #include <cstdint>
 
 #include "talus/core/math.hpp"
-#include "talus/detect/nearest_on_triangle.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/shape/nearest_on_triangle.hpp"
 #include "talus/shape/triangle_tree.hpp"
 
 namespace talus::detail {
@@ -73,6 +74,48 @@ void each_other_at(const triangle_tree& m, std::uint32_t t, const vec3& q, F&& f
   });
   return covered;
 }
+
+/// The triangles near a body.
+class triangles_near {
+ public:
+  void add(std::uint32_t t) {
+    size_ < few_.size() ? void(few_[size_] = t) : more_.push_back(t);
+    ++size_;
+  }
+  template <class F>
+  void each(F&& f) const {
+    for (std::size_t k = 0; k < size_; ++k) f(k < few_.size() ? few_[k] : more_[k - few_.size()]);
+  }
+  /// Whether the way of this length from the point q of triangle t, in the direction (unit), leads
+  /// through another triangle that has all of t behind it: as from a side of a closed surface
+  /// through its upper face, where both meet at less than a right angle (see triangle_tree::sharp).
+  [[nodiscard]] bool hide(const triangle_tree& m, std::uint32_t t, const vec3& q,
+                          const vec3& direction, real length, real near) const {
+    if (!m.sharp || length <= near) return false;
+    bool hidden = false;
+    each([&](std::uint32_t other) {
+      if (hidden || other == t) return;
+      const vec3 &n = m.normals[other], &corner = m.corner(other, 0);
+      const real from = n.dot(q - corner), rise = n.dot(direction);
+      // Not in its plane, and towards it.
+      if (std::abs(from) <= near || from * rise >= 0) return;
+      if (const real way = std::abs(from); way > (length + near) * std::abs(rise)) return;
+      for (std::size_t k = 0; k < 3; ++k)
+        if (const real at = n.dot(m.corner(t, k) - corner); from < 0 ? at > near : at < -near)
+          return;
+      const vec3 p = q - (from / rise) * direction;
+      const vec3 nearest =
+          nearest_on_triangle(p, m.corner(other, 0), m.corner(other, 1), m.corner(other, 2)).at;
+      hidden = (nearest - p).squaredNorm() <= near * near;
+    });
+    return hidden;
+  }
+
+ private:
+  std::array<std::uint32_t, 64> few_;  ///< the first of them
+  plain_vector<std::uint32_t> more_;
+  std::size_t size_ = 0;
+};
 
 /// Whether this point is the furthest of the surrounding surface in the direction (unit).
 [[nodiscard]] inline bool nearest_of_surface(const triangle_tree& m, std::uint32_t t,

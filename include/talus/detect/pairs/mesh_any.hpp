@@ -88,7 +88,9 @@ void collide(const A& a, const pose& pa, const sphere& b, const pose& pb, real m
   const real reach = b.radius + margin;
   const vec3 around(reach, reach, reach);
   detail::felt_points felt(real(1e-9) * b.radius);
-  a.each_within(centre, around, b.radius, [&](std::uint32_t t) {
+  detail::triangles_near near;
+  a.each_within(centre, around, b.radius, [&](std::uint32_t t) { near.add(t); });
+  near.each([&](std::uint32_t t) {
     const auto q =
         detail::nearest_on_triangle(centre, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2));
     const vec3 away = centre - q.at;
@@ -96,8 +98,10 @@ void collide(const A& a, const pose& pa, const sphere& b, const pose& pb, real m
     if (!(distance <= reach)) return;
     const vec3 normal = distance > real(1e-12) * b.radius ? vec3(away / distance) : m.normals[t];
     const bool inside = q.edge < 0 && q.corner < 0;
-    if (!(inside || detail::nearest_of_surface(m, t, q, normal)) || !felt.add(q.at)) return;
     const real gap = distance - b.radius;
+    if (!(inside || detail::nearest_of_surface(m, t, q, normal)) ||
+        near.hide(m, t, q.at, normal, gap, real(1e-6) * b.radius) || !felt.add(q.at))
+      return;
     const vec3 up = rotated(pa.orientation, normal);
     sink(contact_geometry{-up, pb.position - up * (b.radius + real(0.5) * gap), gap,
                           detail::feature_of(t, 0)});
@@ -119,7 +123,9 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
   detail::flat_polyhedron flat;
   detail::felt_points felt(real(1e-6) * size);
   detail::level_patches level(size, m.bounding_radius);
-  a.each_within(there.position, reach, size + margin, [&](std::uint32_t t) {
+  detail::triangles_near near;
+  a.each_within(there.position, reach, size + margin, [&](std::uint32_t t) { near.add(t); });
+  near.each([&](std::uint32_t t) {
     const vec3 middle = pa.to_world(flat.become(m, t));
     const detail::convex_view<real> view_a(mesh_form{&flat.mesh()},
                                            pose{vec3(0, 0, 0), pa.orientation}),
@@ -130,6 +136,7 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
       const real straight = m.normals[t].dot(up);
       const vec3 at = back.to_world(c.point) - real(0.5) * c.gap * up;
       const auto q = detail::place_on_triangle(m, t, at, real(1e-6) * size);
+      if (near.hide(m, t, q.at, up, c.gap, real(1e-6) * size)) continue;
       const bool inside = q.edge < 0 && q.corner < 0;
       const auto is_covered = [&](const detail::triangle_point& p, const vec3& direction) {
         return (p.edge >= 0 || p.corner >= 0) && !detail::nearest_of_surface(m, t, p, direction) &&
