@@ -26,7 +26,8 @@ class rest_judge {
     m.travel += dt_ * v, m.turn += dt_ * w;
     m.farthest = std::max(m.farthest, m.travel.norm() + radius * m.turn.norm());
     m.since += dt_;
-    if (m.since < (1 - real(1e-9)) * time_) {
+    // Three such times end before the body may sleep, whatever the step.
+    if (m.since + dt_ <= (1 + real(1e-9)) * time_) {
       if (m.since <= time_ / 2) m.early = m.farthest;
       return true;
     }
