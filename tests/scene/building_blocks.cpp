@@ -408,6 +408,21 @@ TEST_CASE("bodies go round a centre that attracts them, across ranks") {
     });
 }
 
+TEST_CASE("a step outside of simulate() is refused where a field acts in simulate()") {
+  on(1, [](auto& w) {
+    (void)w.add_if_local(body{.shape = sphere{0.1}, .position = {2, 0, 0}});
+    w.step(0.01);
+    add_force_field(
+        w, [](const vec3&, real) { return vec3(0, 0, 1); }, "a wind");
+    CHECK_THROWS_WITH_AS(
+        w.step(0.01),
+        "step was called on rank 0, and \"a wind\" acts in the steps of simulate() "
+        "alone: call world.simulate with .steps = 1 and .dt = 0.01",
+        std::logic_error);
+    w.simulate({.steps = 1, .dt = 0.01});
+  });
+}
+
 TEST_CASE("a sphere in a fluid relaxes as Stokes says, with any time step") {
   threads::launch({.ranks = 1}, [&](threads::link& link) {
     const double radius = 0.1, density = 2, viscosity = 0.3, gravity = 9.81;

@@ -191,6 +191,7 @@ void add_fluid(World& w, fluid<Velocity, VoidFraction> of, Law law = {},
     if constexpr (scenario::template has_feature<checkpoints>) w.keep(name, done->next);
     w.before_simulating(name, act);
     w.after_each_step(name, act);
+    w.note_force(name);
   }
 }
 

@@ -48,6 +48,7 @@ void add_force_field(World& w, F f, const std::string& name = "force field") {
     if constexpr (scenario::template has_feature<checkpoints>) w.keep(name, done->next);
     w.before_simulating(name, act);
     w.after_each_step(name, act);
+    w.note_force(name);
   }
 }
 

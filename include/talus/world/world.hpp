@@ -558,7 +558,8 @@ class world {
   /// Collective: bodies migrate to the ranks that own their centres, however far, and shadow copies
   /// are rebuilt. The first step does so by itself.
   void synchronize();
-  /// Collective: advances time by `dt`.
+  /// Collective: advances time by `dt`. Throws invalid_argument for a dt that is not positive, and
+  /// logic_error if there are fields of force or fluids, which act in the steps of simulate().
   void step(real dt);
   /// Collective: many steps; the observers are called after each. stop() or a condition ends it
   /// early. Throws invalid_argument for a dt that is not positive.
@@ -703,6 +704,9 @@ class world {
   [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
   /// The step with which the present call of simulate() ends, or the last one ended.
   [[nodiscard]] std::uint64_t last_step() const { return last_step_; }
+  /// Notes a force on bodies, with its name, that functions of before_simulating() and
+  /// after_each_step() add: step() outside of simulate() is then refused, since it lacks the force.
+  void note_force(const std::string& name) { forces_.push_back(name); }
   /// Notes that pictures are taken of this world, by take_pictures() or in another way: run() then
   /// accepts --frames.
   void note_pictures() { takes_pictures_ = true; }
@@ -852,8 +856,9 @@ class world {
   std::uint64_t added_here_ = 0;
   std::uint64_t last_step_ = 0, simulations_ = 0;
   bool simulating_ = false, stopped_ = false;
-  bool stop_asked_ = false;  ///< by this rank, in the present step
-  bool agree_ = false;       ///< a function of observe() was called in the present step
+  std::vector<std::string> forces_;  ///< see note_force()
+  bool stop_asked_ = false;          ///< by this rank, in the present step
+  bool agree_ = false;               ///< a function of observe() was called in the present step
   using called = std::vector<detail::named_function<std::function<void()>>>;
   using laps = detail::lap_clock<detail::world_state<Scenario>>;
   void call(const called& all, laps& clock) {
