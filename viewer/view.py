@@ -128,7 +128,10 @@ def write_page(o, base):
         if isinstance(error, OSError):
             sys.exit(f"view: {path} cannot be written: {error.strerror}")
         raise
-    print(f"view: {len(files)} frames in {path}, {os.path.getsize(path) / 1e6:.1f} MB", file=sys.stderr)
+    try:
+        os.write(2, f"view: {len(files)} frames in {path}, {os.path.getsize(path) / 1e6:.1f} MB\n".encode())
+    except OSError:
+        pass  # the page is there
 
 
 def about(base, names, live=False):

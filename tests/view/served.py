@@ -72,6 +72,17 @@ class Replaced(Case):
         self.assertNotIn("precious", other.read_text())
 
 
+    def test_a_page_whose_size_cannot_be_told_is_written_with_code_0(self):
+        page = self.folder / "page.html"
+        for errors in ("2>/dev/full", "2>&-"):
+            with self.subTest(errors):
+                ended = subprocess.run(["sh", "-c", f'exec "$@" {errors}', "sh", *VIEW, str(self.folder / "o"), "--html", str(page)],
+                                       timeout=60, env={**os.environ, "TALUS_THREE": str(self.folder / "three.js")})
+                self.assertEqual(ended.returncode, 0)
+                self.assertIn("</html>", page.read_text())
+                page.unlink()
+
+
 class Served(Case):
     def serve(self, *words, **more):
         server = Server(self.folder, *words, **more)
