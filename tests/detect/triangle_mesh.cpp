@@ -257,6 +257,11 @@ TEST_CASE("STL files are read as text and in binary, and what is wrong with them
   CHECK(read_stl(file) == triangle_mesh(list));
   CHECK(read_stl(file, 0.001).bounding_radius() == doctest::Approx(0.001 * std::sqrt(14.0)));
 
+  for (const std::size_t more : {1, 49}) {
+    write(binary + std::string(more, '\n'));
+    CHECK(read_stl(file) == triangle_mesh(list));
+  }
+
   write(binary.substr(0, 300));
   CHECK_THROWS_WITH(read_stl(file), doctest::Contains("is no STL file, or is cut off: it has 300 "
                                                       "bytes, and says that it holds 12"));

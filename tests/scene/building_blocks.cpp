@@ -126,6 +126,7 @@ TEST_CASE("packings are read, and bad rows are refused by their number") {
   for (const char* text :
        {"R;X;Y;Z;VX;Colour\n0.5;1;2;3;-1;red\n0.1;-1;0;0;0;\n",
         "\"r\",\"x\",\"y\",\"z\",\"vx\"\n\"0.5\",\"1\",\"2\",\"3\",\"-1\"\n0.1,-1,0,0,0\n",
+        "'r';'x';'y';'z';'vx'\n'0.5';1;2;3;-1\n0.1;-1;0;0;0\n",
         "r\tx\ty\tz\tvx\tcolour\n0.5\t1\t2\t3\t-1\tdark red\n0.1\t-1\t0\t0\t0\t\n",
         "r  x y z   vx\n0.5 1   2 3\t-1\n 0.1 -1 0 0 0 \n",
         "r [m], x [m], y [m], z [m], vx [m/s]\n0.5,1,2,3,-1\n0.1,-1,0,0,0\n",
@@ -155,6 +156,7 @@ TEST_CASE("packings are read, and bad rows are refused by their number") {
   CHECK(refusal_of("x,y,z,r\n0,,0,1\n") == ", line 2: y is '', which is no finite number");
   CHECK(refusal_of("x,y,z,r\n0,0,0,nan\n") == ", line 2: r is 'nan', which is no finite number");
   CHECK(refusal_of("x,y,z,r\r\r0,0,0,0\r") == ", line 3: the radius r is 0, and must be positive");
+  CHECK(refusal_of("\xff\xfex").find("is in UTF-16: save it as UTF-8") != std::string::npos);
   CHECK(refusal_of("x,y,z,r\n\n0,0,0,0\n") == ", line 3: the radius r is 0, and must be positive");
   CHECK_THROWS_AS(read_packing("/tmp/no such file"), std::runtime_error);
   CHECK_THROWS_WITH(read_packing("/tmp"), "the packing /tmp is a folder: name the file in it");

@@ -136,15 +136,16 @@ class stl_words {
   if (bytes.starts_with(detail::byte_order_mark)) bytes.erase(0, detail::byte_order_mark.size());
   std::uint32_t count = 0;
   if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, 4);
-  // (Some binary files begin with the keyword of text files.)
-  const bool binary = bytes.size() >= 84 && bytes.size() == 84 + 50 * std::size_t{count};
+  // (Some binary files begin with the keyword of text files, and some end with a few bytes more.)
+  const std::size_t needed = 84 + 50 * std::size_t{count};
+  const bool binary = bytes.size() >= needed && bytes.size() < needed + 50;
   if (!binary && !detail::is_text_stl(bytes)) {
     // (Of what is no text either, such as a picture, that number has no meaning.)
     if (bytes.size() >= 84 && count < (std::uint32_t{1} << 24))
       detail::fail<std::runtime_error>(
           "{} is no STL file, or is cut off: it has {} bytes, and says that it holds {} triangles, "
           "which take {}",
-          file, bytes.size(), count, 84 + 50 * std::size_t{count});
+          file, bytes.size(), count, needed);
     detail::fail<std::runtime_error>(
         "{} is no STL file: it is neither a text with the words 'solid' and 'facet' nor a binary "
         "file of triangles",

@@ -37,7 +37,8 @@ namespace detail {
   for (std::size_t at = 0; at <= rest.size();) {
     const std::size_t end = std::min(rest.find(separator, at), rest.size());
     std::string field = trim(rest.substr(at, end - at));
-    if (field.size() > 1 && field.front() == '"' && field.back() == '"')
+    if (field.size() > 1 && (field.front() == '"' || field.front() == '\'') &&
+        field.back() == field.front())
       field = trim(field.substr(1, field.size() - 2));
     if (separator != ' ' || !field.empty()) fields.push_back(std::move(field));
     at = end + 1;
@@ -96,6 +97,8 @@ namespace detail {
   for (std::size_t number = 1; next(); ++number) {
     if (number == 1 && line.starts_with(detail::byte_order_mark))
       line.erase(0, detail::byte_order_mark.size());
+    if (number == 1 && (line.starts_with("\xff\xfe") || line.starts_with("\xfe\xff")))
+      detail::fail<std::runtime_error>("the packing {} is in UTF-16: save it as UTF-8", file);
     if (line.find_first_not_of(" \t") == std::string::npos || line[0] == '#') continue;
     if (columns == 0) separator = detail::separator_of(line);
     const auto fields = detail::fields_of(line, separator);
