@@ -1,5 +1,4 @@
 """./dev view: a page that shows what --output has written. docs/view.md"""
-import argparse
 import csv
 import os
 import pathlib
@@ -8,14 +7,15 @@ import sys
 import tempfile
 
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parent), str(pathlib.Path(__file__).resolve().parents[1] / "python")]
 import page  # noqa: E402
+from printable import Parser, printable  # noqa: E402
 
 MARK = "<!-- talus view 1"
 
 
 def options():
-    p = argparse.ArgumentParser(prog="./dev view", description="Makes one HTML page of a run, or serves it.")
+    p = Parser(prog="./dev view", description="Makes one HTML page of a run, or serves it.")
     p.add_argument("output", metavar="OUTPUT", help="NAME of --output NAME, or NAME.hdf.series")
     p.add_argument("--html", metavar="FILE", help="the page (default: NAME.html)")
     p.add_argument("--every", metavar="N", type=int, default=1, help="take every Nth output (1)")
@@ -25,6 +25,7 @@ def options():
     p.add_argument("--serve", metavar="PORT", type=int, help="serve the page and new frames instead of writing a file; 0: any port")
     p.add_argument("--bind", metavar="ADDRESS", default="127.0.0.1", help="address to serve at (127.0.0.1)")
     o = p.parse_args()
+    p.require_names(o, output="OUTPUT", html="--html", csv="--csv")
     if o.every < 1:
         p.error("--every takes 1 or more")
     if not o.bind:
@@ -129,7 +130,7 @@ def write_page(o, base):
             sys.exit(f"view: {path} cannot be written: {error.strerror}")
         raise
     try:
-        os.write(2, f"view: {len(files)} frames in {path}, {os.path.getsize(path) / 1e6:.1f} MB\n".encode())
+        os.write(2, f"view: {len(files)} frames in {printable(path)}, {os.path.getsize(path) / 1e6:.1f} MB\n".encode())
     except OSError:
         pass  # the page is there
 
@@ -161,4 +162,7 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except SystemExit as end:
+        sys.exit(printable(end.code) if isinstance(end.code, str) else end.code)

@@ -3,6 +3,8 @@ import os
 import sys
 import time
 
+from printable import printable
+
 
 def write(text):
     """Writes to standard error. What cannot be written ends no run: from then on nothing is said."""
@@ -14,7 +16,7 @@ def write(text):
 
 
 def say(words):
-    write(f"sweep: {words}\n")
+    write(f"sweep: {printable(words)}\n")
 
 
 def duration(seconds):

@@ -16,14 +16,16 @@ import signal
 import sys
 import time
 
-import design
-import plots
-import slurm
-import table
-from design import Wrong
-from program import WHOLE, Program
-from progress import Progress, say
-from runs import Run, name_of, read, remove_leftovers, write_whole
+sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))
+import design  # noqa: E402
+import plots  # noqa: E402
+import slurm  # noqa: E402
+import table  # noqa: E402
+from design import Wrong  # noqa: E402
+from printable import Parser  # noqa: E402
+from program import WHOLE, Program  # noqa: E402
+from progress import Progress, say  # noqa: E402
+from runs import Run, name_of, read, remove_leftovers, write_whole  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -41,7 +43,7 @@ def arguments_of(words):
     options = []
     if "--" in words:
         words, options = words[:words.index("--")], words[words.index("--") + 1:]
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="./dev sweep", allow_abbrev=False, usage="%(prog)s NAME --vary OPTION=VALUES ... [-- OPTIONS]",
         description="Runs an example, or the program of a path, over the values of its options.")
     add = parser.add_argument
@@ -63,6 +65,7 @@ def arguments_of(words):
     add("--collect", metavar="DIR", help="write the table and the plots of what is there")
     add("--task", nargs=2, type=int, metavar=("I", "TASKS"), help=argparse.SUPPRESS)
     asked = parser.parse_args(words)
+    parser.require_names(asked, program="NAME", out="--out", collect="--collect")
     asked.plot = [name for name in map(str.strip, asked.plot.split(",")) if name]
     if asked.collect is None and asked.program is None:
         parser.error("sweep which program? Write ./dev sweep NAME --vary OPTION=VALUES")

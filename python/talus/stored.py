@@ -129,7 +129,7 @@ class Stored:
                 raise Error(f"{self.path}: {name} is virtual, lies in another file, or was packed by another program: "
                             "talus has its arrays unpacked within the file (h5repack -l CONTI -f NONE)")
             kind, shape, size = found.dtype, found.shape, os.path.getsize(self.path)
-            if kind.kind not in KINDS.get(form and form[0], "iuf") or len(shape) not in (1, 2) or \
+            if kind.kind not in KINDS.get(form and form[0], "iuf") or kind.itemsize > 8 or len(shape) not in (1, 2) or \
                     (form and shape[1:] != tuple(map(int, form[1:]))):
                 raise Error(f"{self.path} is damaged: {name} has the type {kind} and the shape {shape}")
             if rows is not None and shape[0] != rows:

@@ -536,6 +536,9 @@ TEST_CASE("an output replaces outputs and pictures, and nothing else unless it i
   diary("text");
   CHECK(run_pile({"--steps", "10", "--output", files("b"), "--frames", files("text")}) == 1);
   CHECK(text_of(files("text")) == "a diary");
+  // A run that is refused leaves the output of another one as it is.
+  CHECK(run_pile({"--steps", "10", "--output", files("a"), "--frames", files("text")}) == 1);
+  CHECK(text_of(files("a.hdf.series")) == index);
   CHECK(std::system(("ls -R " + files.folder + " | grep -q part").c_str()) != 0);
 }
 

@@ -156,6 +156,14 @@ class Sweeps(unittest.TestCase):
         self.assertEqual(self.started(), [])
         self.assertFalse((self.work / "out").exists())
 
+    def test_empty_names_are_refused_and_names_do_not_command_the_terminal(self):
+        for words in (["--vary", "friction=0.2", "--out", ""], ["--collect", ""]):
+            self.assertIn("takes a name, and is empty", self.sweep(*words, code=2))
+        told = self.sweep("--vary", "friction=0.2", "--out", str(self.work / "red\x1b[31m"))
+        self.assertIn("red\\x1b[31m", told)
+        self.assertNotIn("\x1b", told + self.sweep("--vary", "\x1b[31m=1", code=2) + self.sweep("--red\x1b[31m", code=2))
+        self.assertEqual(self.sweep(code=2, program="").count("is empty"), 1)
+
     def test_another_sweep_or_other_files_in_the_folder_are_left_alone(self):
         self.sweep("--vary", "friction=1,2")
         self.assertIn("a sweep with other options",

@@ -168,7 +168,7 @@ class Foreign(unittest.TestCase):
         for file, name, values in [
                 (BODIES, "VTKHDF/PointData/id", np.arange(1.0 * COUNT)), (BODIES, "VTKHDF/PointData/shape", np.full(COUNT, 77, "u1")),
                 (BODIES, "VTKHDF/PointData/fixed", np.zeros(COUNT - 1, "u1")), (BODIES, "VTKHDF/Points", np.zeros((COUNT, 2))),
-                (BODIES, "VTKHDF/Points", 1.0), (BODIES, "VTKHDF/PointData/velocity", np.zeros((COUNT, 3, 3))),
+                (BODIES, "VTKHDF/Points", 1.0), (BODIES, "VTKHDF/Points", np.zeros((COUNT, 3), np.longdouble)), (BODIES, "VTKHDF/PointData/velocity", np.zeros((COUNT, 3, 3))),
                 (BODIES, "VTKHDF/FieldData/step", np.zeros(0, int)), (BODIES, "VTKHDF/PointData/size", np.zeros((COUNT, 3), "c16")),
                 (BODIES, "VTKHDF/PointData/mass", np.array(["x"] * COUNT, dtype=text)),
                 (CONTACTS, "VTKHDF/CellData/id_b", np.zeros(COUNT + 1, "u8")), (CONTACTS, "VTKHDF/CellData/force", np.zeros(COUNT)),

@@ -72,6 +72,14 @@ class Replaced(Case):
         self.assertNotIn("precious", other.read_text())
 
 
+    def test_empty_names_are_refused_and_names_do_not_command_the_terminal(self):
+        self.assertIn("--html takes a name, and is empty", self.view("", code=2))
+        self.assertIn("--csv takes a name, and is empty", self.view(self.folder / "page.html", "--csv", "", code=2))
+        red = self.folder / "red\x1b[31m.html"
+        red.mkdir()
+        for page, words, code in (red, (), 1), (self.folder / "r\x1b.html", (), 0), (self.folder / "p.html", ("\x1b",), 2):
+            self.assertNotIn("\x1b", self.view(page, *words, code=code))
+
     def test_a_page_whose_size_cannot_be_told_is_written_with_code_0(self):
         page = self.folder / "page.html"
         for errors in ("2>/dev/full", "2>&-"):

@@ -124,10 +124,16 @@ class vtk_series {
   using content = vtk_content;
 
   /// With `goes_on` the series of that name continues at the step of the run, see go_on().
-  /// Otherwise it is replaced. Collective; throws as write_vtk does.
+  /// Otherwise it is replaced, by the first write(): until then it stays, since what follows may
+  /// refuse the run. Collective; throws as write_vtk does.
   explicit vtk_series(world<Scenario>& w, const std::string& name, bool goes_on = false,
                       const content& what = {})
-      : w_(w), name_(detail::output_name(name)), goes_on_(goes_on), force_(what.force) {
+      : w_(w),
+        name_(detail::output_name(name)),
+        goes_on_(goes_on),
+        begins_(!goes_on),
+        force_(what.force),
+        with_surfaces_(what.surfaces) {
     w.require_all_ranks("vtk_series", false);
     for (const auto& block : detail::vtk_blocks<Scenario>(what))
       parts_.push_back(
@@ -149,14 +155,7 @@ class vtk_series {
                                      [&](const std::string& file) { return lists(file); });
       }
       for (const part& p : parts_) lock(p.block.end_of_name);
-      // A series that is not continued would list files of another run, or beyond the present step.
-      const char* const end = detail::ends_of_output[3];
-      const std::string surfaces = detail::index_of_output(name_, end);
-      if (!what.surfaces) lock(end);
-      if (!what.surfaces && detail::inspect_target(surfaces, detail::series_output, false).replaces)
-        std::remove(surfaces.c_str());
-      if (!goes_on)
-        for (part& p : parts_) p.index.begin();
+      if (!with_surfaces_) lock(detail::ends_of_output[3]);
     });
   }
 
@@ -175,6 +174,7 @@ class vtk_series {
       has_now = keep_present && std::all_of(parts_.begin(), parts_.end(), [&](const part& p) {
                   return p.index.last_before(end) == w_.steps();
                 });
+      remove_surfaces();
       for (part& p : parts_) p.index.go_on(has_now != 0 ? end : w_.steps());
     });
     team.most(std::span(&has_now, 1));
@@ -186,6 +186,12 @@ class vtk_series {
     go_on();
     if (last_ == w_.steps()) return;
     detail::team_over team(w_.link());
+    if (std::exchange(begins_, false))
+      team.together([&] {
+        if (w_.rank() != 0) return;
+        remove_surfaces();
+        for (part& p : parts_) p.index.begin();
+      });
     last_ = w_.steps();
     std::string digits = std::to_string(w_.steps());
     if (digits.size() < 10) digits.insert(0, 10 - digits.size(), '0');
@@ -211,6 +217,12 @@ class vtk_series {
     locks_->emplace_back(index, "the output " + index)
         .remove_left_over(name_ + end_of_name + "_", detail::vtk_extension);
   }
+  /// Without surfaces, their index would list files of another run, or beyond the present step.
+  void remove_surfaces() const {
+    const std::string surfaces = detail::index_of_output(name_, detail::ends_of_output[3]);
+    if (!with_surfaces_ && detail::inspect_target(surfaces, detail::series_output, false).replaces)
+      std::remove(surfaces.c_str());
+  }
   [[nodiscard]] static std::string without_folder(const std::string& file) {
     return file.substr(file.find_last_of('/') + 1);
   }
@@ -227,7 +239,7 @@ class vtk_series {
       std::make_shared<std::list<detail::run_lock>>();  ///< on rank 0; copies share them
   std::vector<std::string> listed_;                     ///< on rank 0
   std::vector<part> parts_;
-  bool goes_on_, force_, replaces_ = false;
+  bool goes_on_, begins_, force_, with_surfaces_, replaces_ = false;
   std::optional<std::uint64_t> last_;
 };
 
