@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -229,6 +230,21 @@ TEST_CASE("a pipe is read when its writer comes") {
   });
   CHECK(read({"--config", pipe}).steps == 7);
   writer.join();
+}
+
+TEST_CASE("a pipe is refused where several processes would read it") {
+  const folder here;
+  const std::string pipe = here.path + "/pipe";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  for (const char* const name : {"PMIX_RANK", "PMI_RANK"}) {  // without a number of processes
+    if (std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr) return;
+    setenv(name, "2", 1);
+    CHECK(refusal({"--config", pipe}) ==
+          "--config " + pipe +
+              " cannot be read: it is a pipe, and only one of the 3 processes could read it; give "
+              "it a file that exists, or leave it out");
+    unsetenv(name);
+  }
 }
 
 TEST_CASE("--set is refused without a value, for a name that is not known, and twice") {

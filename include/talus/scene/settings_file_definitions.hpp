@@ -15,6 +15,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/linkage.hpp"
+#include "talus/parallel/launcher.hpp"
 #include "talus/scene/settings_file.hpp"
 
 #if __has_include(<toml++/toml.h>)
@@ -43,6 +44,8 @@ inline constexpr std::size_t most_dots = 100;
   struct stat about {};
   if (::fstat(id, &about) != 0) refuse(std::strerror(errno));
   if (S_ISDIR(about.st_mode)) refuse("it is a folder");
+  if (const int size = find_launcher().size; S_ISFIFO(about.st_mode) && size > 1)
+    refuse(compose("it is a pipe, and only one of the {} processes could read it", size));
   std::string text;
   char part[4096];
   for (int waited = 0;;) {
