@@ -262,5 +262,28 @@ END
   nothing_left
 }
 
+# A table or a log that something else removes or replaces while the run goes on.
+replaced() {
+  local option way end
+  for option in --csv --log; do
+    end=1  # a table ends the run, a log is looked at when the time limit has
+    [[ $option == --csv ]] || end=75
+    for way in "rm t" "mv u t"; do
+      echo mine >u
+      rm -f t
+      "$program" --quiet --steps 1000000000 --time-limit 2s $option t >out 2>&1 &
+      local pid=$! code=0
+      wait_for t
+      sleep 0.3
+      $way
+      wait $pid || code=$?
+      [[ $code == $end ]] || { cat out; fail "exit code $code: $option, $way"; }
+      grep -q 't.* is no longer the file that this run has begun' out || { cat out; fail "nobody says so: $option, $way"; }
+      [[ $way == rm* ]] || grep -qx mine t || fail "a file of the user is gone"
+      rm -f t
+    done
+  done
+}
+
 "$what"
 echo "$what: passed"

@@ -124,7 +124,10 @@ class part_file {
 /// only if that is allowed, and leaves it unchanged on failure.
 [[nodiscard, gnu::cold]] int begin_output(const std::string& path, std::string_view text,
                                           const output_kind& kind, bool force);
-/// Adds a text to such a file by one write.
+/// Throws runtime_error if an open file is no longer the one of that name: something else has
+/// removed or replaced it, so that nobody would find what is written.
+[[gnu::cold]] void require_own_output(int id, const std::string& path);
+/// Adds a text to such a file by one write. Throws as require_own_output().
 [[gnu::cold]] void add_to_output(int id, const std::string& path, std::string_view text);
 /// Writes a whole output.
 [[gnu::cold]] void write_output(const std::string& path, std::string_view text,

@@ -179,7 +179,18 @@ TALUS_INLINE int begin_output(const std::string& path, std::string_view text,
   return id;
 }
 
+TALUS_INLINE void require_own_output(int id, const std::string& path) {
+  struct stat own {
+  }, named{};
+  if (::fstat(id, &own) != 0 || !S_ISREG(own.st_mode) || is_stream(path)) return;
+  if (::stat(path.c_str(), &named) != 0 || own.st_dev != named.st_dev || own.st_ino != named.st_ino)
+    fail<std::runtime_error>(
+        "is no longer the file that this run has begun: something else has removed or replaced it; "
+        "begin again with another name");
+}
+
 TALUS_INLINE void add_to_output(int id, const std::string& path, std::string_view text) {
+  require_own_output(id, path);
   if (id < 0 || !write_text(id, text))
     fail<std::runtime_error>("cannot be written: {}",
                              words_of_failed_write(path, text.size(), errno));

@@ -21,6 +21,11 @@ TALUS_INLINE time_series::~time_series() {
 }
 
 TALUS_INLINE void time_series::finish() {
+  try {
+    if (id_ >= 0) detail::require_own_output(id_, name_);
+  } catch (const std::exception& e) {
+    fail_to_write(e.what());
+  }
   if (id_ >= 0 && ::close(std::exchange(id_, -1)) != 0)
     fail_to_write("cannot be written: " + detail::words_of_failed_write(name_, 0, errno));
 }

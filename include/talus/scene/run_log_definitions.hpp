@@ -118,6 +118,13 @@ TALUS_INLINE int run_log::finish(int code) {
   if (std::ferror(stdout) != 0) lose_print(EIO);  // of the set-up
   if (const int copy = id_ >= 0 ? ::dup(id_) : -1; copy >= 0 && ::close(copy) != 0)
     lose_line(errno);
+  try {
+    if (id_ >= 0) require_own_output(id_, name_);
+  } catch (const std::exception& e) {
+    if (!std::exchange(line_lost_, true))
+      std::fputs(printable(compose("{}: the log {} {}\n", program_, name_, e.what())).c_str(),
+                 stderr);
+  }
   return code == 0 && (print_lost_ || line_lost_) ? 1 : code;
 }
 
