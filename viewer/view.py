@@ -96,6 +96,9 @@ def require_replaceable(path, force):
 def write_page(o, base):
     import frames
     path = o.html or base + ".html"
+    place = os.path.realpath(path)
+    if o.csv and place == os.path.realpath(o.csv) or place.startswith(os.path.realpath(base)) and place.endswith((".hdf", ".series")):
+        sys.exit(f"view: {path} is a file that the page is made of: name another one with --html")
     require_replaceable(path, o.force)
     files = frames.read_index(base)[::o.every]
     if not files:

@@ -72,6 +72,15 @@ class Replaced(Case):
         self.assertNotIn("precious", other.read_text())
 
 
+    def test_what_a_page_is_made_of_is_never_replaced(self):
+        (self.folder / "t.csv").write_text("step [1],time [T]\n1,0.5\n")
+        for name in "o.hdf.series", BODIES, "t.csv":
+            before = (self.folder / name).read_bytes()
+            for page in self.folder / name, self.folder / "." / name:
+                told = self.view(page, "--force", "--csv", self.folder / "t.csv", code=1)
+                self.assertIn("is a file that the page is made of", told)
+            self.assertEqual((self.folder / name).read_bytes(), before)
+
     def test_empty_names_are_refused_and_names_do_not_command_the_terminal(self):
         self.assertIn("--html takes a name, and is empty", self.view("", code=2))
         self.assertIn("--csv takes a name, and is empty", self.view(self.folder / "page.html", "--csv", "", code=2))
