@@ -3,13 +3,18 @@
 
 #include <mutex>
 #include <set>
+#include <talus/observe/residual.hpp>
 #include <talus/scene/lattice.hpp>
+#include <tuple>
 
 namespace {
 
 template <class Solver>
 using heap = scenario<bodies<sphere, plane>, solver<Solver>, transport<threads>,
                       decomposition<any_decomposition>>;
+
+using monitored_heap = scenario<bodies<sphere, plane>, solver<reproducible>, transport<threads>,
+                                decomposition<any_decomposition>, features<residual_monitor>>;
 
 const auto spheres = [](auto& w) {
   const auto sites =
@@ -62,6 +67,18 @@ TEST_CASE("asked for a tolerance, all find one residual to the bit, and stop aft
         const std::lock_guard lock(mutex);
         found.insert({w.convergence().iterations, w.convergence().residual});
       });
+  CHECK(found.size() == 1);
+}
+
+TEST_CASE("the residual measured after the step has the same bits on any ranks") {
+  std::set<std::tuple<double, double, double>> found;
+  std::mutex mutex;
+  check_same<monitored_heap>(60, spheres, [&](auto& w, int k) {
+    if (k < 59) return;
+    const contact_residual r = measure_residual(w);
+    const std::lock_guard lock(mutex);
+    found.insert({r.value, r.max, w.convergence().residual_worst});
+  });
   CHECK(found.size() == 1);
 }
 

@@ -2,11 +2,16 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <mutex>
+#include <set>
 #include <talus/observe/monitors.hpp>
 #include <talus/observe/residual.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
+#include <talus/scene/lattice.hpp>
+#include <talus/scene/region.hpp>
 #include <talus/world/world.hpp>
+#include <tuple>
 #include <vector>
 
 using namespace talus;
@@ -86,4 +91,25 @@ TEST_CASE("the monitor takes the forces that move the bodies in the step, on any
         }
       });
     }
+}
+
+TEST_CASE("its bits are those of one rank on any ranks, in the monitor and after the step") {
+  std::set<std::tuple<double, double, double>> found;
+  std::mutex mutex;
+  for (const int ranks : {1, 2, 3, 4, 7})
+    on(ranks, 2, [&](auto& w) {
+      w.fill(simple_cubic{.spacing = 0.9, .origin = {0.6, -1.8, 1.2}} &
+                 box_region{.lower = {0.1, -2, 0}, .upper = {15.9, 2, 4}},
+             [](const site& place, random_stream& random) {
+               return body{.shape = sphere{random.uniform(0.2, 0.45)},
+                           .position = place.position,
+                           .velocity = random.uniform(vec3(-2, -2, -2), vec3(2, 2, 0))};
+             });
+      for (int k = 0; k < 300; ++k) w.step(1e-3);
+      const contact_residual r = measure_residual(w);
+      const std::lock_guard lock(mutex);
+      found.insert({w.convergence().residual, r.value, r.max});
+      CHECK(r.contacts > 50);
+    });
+  CHECK(found.size() == 1);
 }

@@ -85,7 +85,6 @@ struct residual_scale_of {
     return diagonal > 0 ? sums[1] / diagonal : 0;
   }
 };
-using residual_scale = residual_scale_of<double>;
 
 /// The parts that each iteration changes.
 template <class Sum>
@@ -131,7 +130,6 @@ struct residual_sums_of {
     return std::max({r, rho * rho * q, rho * rho * u});
   }
 };
-using residual_sums = residual_sums_of<double>;
 
 /// Adds the terms of each contact of a list that obeys Coulomb's law and counts on this rank.
 template <class Sum, class List>

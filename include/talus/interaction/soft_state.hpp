@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/portable_powers.hpp"
@@ -48,7 +49,7 @@ struct soft_state {
   pair_parameters_of<typename Law::law> pairs;
   real fastest_approach = 0;  ///< along the normal of a contact, in steps of the present dt
   /// Sum over the contacts that count on this rank, in this step; for the residual monitor.
-  double squares_of_forces = 0;
+  exact_sum squares_of_forces;
   /// Longest stable step for the bonds when some were made, of all such moments.
   real step_of_bonds = std::numeric_limits<real>::infinity();
 };

@@ -25,7 +25,7 @@ class contact_sums {
   void add_to(residual_sums_of<exact_sum>& sums, const state& s, double rho) const;
   /// Adds the terms of the contacts to the residual scale for velocities `after` the step; `given`
   /// is the part of these velocities that impulses have added.
-  void add_to(residual_scale_of<double>& scale, const state& after, const state& given) const;
+  void add_to(residual_scale_of<exact_sum>& scale, const state& after, const state& given) const;
   /// Raises the speeds at which bodies penetrate their contact partners; see approach.hpp.
   void add_approach(const state& after, plain_vector<real>& speeds) const;
   /// The number of contacts that count on this rank.
@@ -55,7 +55,7 @@ void contact_sums<List, Contact>::add_to(residual_sums_of<exact_sum>& sums, cons
   add_contacts(sums, list(), s, rho);
 }
 template <class List, class Contact>
-void contact_sums<List, Contact>::add_to(residual_scale_of<double>& scale, const state& after,
+void contact_sums<List, Contact>::add_to(residual_scale_of<exact_sum>& scale, const state& after,
                                          const state& given) const {
   list().each([&](const auto& c, bool counts_here) {
     if (counts_here) scale.add(c, after, violation(c, after) - c.relative_velocity(given));

@@ -58,7 +58,7 @@ class either_list {
   void store_impulses(contact_history& history) const {
     by_colours_ ? coloured_.store_impulses(history) : swept_.store_impulses(history);
   }
-  void add_to(residual_scale_of<double>& scale, const state& after, const state& given) const {
+  void add_to(residual_scale_of<exact_sum>& scale, const state& after, const state& given) const {
     by_colours_ ? coloured_.add_to(scale, after, given) : swept_.add_to(scale, after, given);
   }
   void add_approach(const state& after, plain_vector<real>& speeds) const {

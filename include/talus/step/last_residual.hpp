@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "talus/constraint/residual.hpp"
+#include "talus/parallel/exact_reduction.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/unbalanced_force.hpp"
 
@@ -70,16 +71,16 @@ contact_residual last_hard_residual(world_state<Scenario>& s) {
   });
   if constexpr (!world_state<Scenario>::link_type::alone) refresh_last_step(s, after, given);
 
-  residual_scale scale;
+  residual_scale_of<exact_sum> scale;
   s.each_constraint_list([&](const auto& list) { list.add_to(scale, after, given); });
-  s.link->reduce(reduction::sum, scale.sums);
-  residual_sums sums;
+  sum_exactly(*s.link, scale.sums);
+  residual_sums_of<exact_sum> sums;
   s.each_constraint_list([&](const auto& list) { list.add_to(sums, after, scale.rho()); });
-  s.link->reduce(reduction::sum, sums.sums);
+  sum_exactly(*s.link, sums.sums);
   s.link->reduce(reduction::max, std::span(&sums.largest, 1));
 
   const contact_residual r{sums.value(scale), sums.worst(scale),
-                           static_cast<std::uint64_t>(sums.sums[3])};
+                           static_cast<std::uint64_t>(sums.sums[3].value())};
   s.convergence.add_residual(r.value);
   return r;
 }
@@ -91,7 +92,7 @@ contact_residual last_residual(world_state<Scenario>& s) {
   if constexpr (world_state<Scenario>::law::soft) {
     const unbalanced_sums u = measure_unbalanced_force(s);
     if constexpr (!monitored<Scenario, residual_monitor>) s.convergence.add_residual(u.value());
-    return {u.value(), u.worst(), static_cast<std::uint64_t>(u.sums[3])};
+    return {u.value(), u.worst(), static_cast<std::uint64_t>(u.sums[3].value())};
   } else {
     return last_hard_residual(s);
   }

@@ -418,7 +418,7 @@ void measure_forces(world_state<Scenario>& s) {
   if constexpr (law::remembers) s.recorded.reset(count.size());
   if constexpr (world_state<Scenario>::drives) forget_forces(s);
   count = {};
-  if constexpr (monitored<Scenario, residual_monitor>) s.soft.squares_of_forces = 0;
+  if constexpr (monitored<Scenario, residual_monitor>) s.soft.squares_of_forces = {};
   if constexpr (monitored<Scenario, penetration_monitor>) s.monitors.overlaps.reset();
   if constexpr (monitored<Scenario, energy_ledger>) {
     s.monitors.springs.measure_anew();

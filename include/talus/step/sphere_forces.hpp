@@ -124,8 +124,6 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   void finish() {
     for (std::size_t l = 0; l < lanes; ++l)
       s_.soft.fastest_approach = std::max(s_.soft.fastest_approach, lane(fastest_, l));
-    if constexpr (residual)
-      for (std::size_t l = 0; l < lanes; ++l) s_.soft.squares_of_forces += lane(squares_, l);
   }
 
  private:
@@ -470,15 +468,9 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   /// Adds up the squares of the forces of those contacts that count on this rank.
   [[gnu::always_inline]] inline void add_square(std::size_t first, unsigned live,
                                                 const number& square) {
-    if constexpr (alone && !imaged)
-      if (live == (1u << lanes) - 1) {
-        squares_ += square;
-        return;
-      }
     for_lanes(live, [&](std::size_t l) {
-      if (counts_here(first + l)) put_lane(squares_, l, lane(squares_, l) + lane(square, l));
+      if (counts_here(first + l)) s_.soft.squares_of_forces += lane(square, l);
     });
-    (void)first;
   }
 
   static constexpr std::size_t most = pairs_of_block + lanes;
@@ -490,7 +482,6 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   entry fresh_{};
   const bool places_hold_;
   number fastest_{};
-  [[no_unique_address]] if_needed<residual, number> squares_{};
   typename law::template parameters_of<number> parameters_;
   bool one_material_ = false;  ///< so that all contacts have the same parameters
   soft_body* const bodies_;

@@ -7,9 +7,11 @@
 #include <tuple>
 
 #include "talus/contact/key.hpp"
+#include "talus/core/exact_sum.hpp"
 #include "talus/core/id_table.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
+#include "talus/parallel/exact_reduction.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/soft_step.hpp"
 
@@ -17,16 +19,21 @@ namespace talus::detail {
 
 /// The forces of the present state, on the bodies owned here.
 struct unbalanced_sums {
-  std::array<double, 4> sums{};  ///< |resultant|^2, bodies, |contact force|^2, contacts
-  double largest = 0;            ///< of the squares of the resultants
+  std::array<exact_sum, 4> sums{};  ///< |resultant|^2, bodies, |contact force|^2, contacts
+  double largest = 0;               ///< of the squares of the resultants
 
   [[nodiscard]] double scale() const {
-    return sums[3] > 0 ? std::sqrt(sums[2] / sums[3]) : 0;  // the typical contact force
+    const double all = sums[2], contacts = sums[3];
+    return contacts > 0 ? std::sqrt(all / contacts) : 0;  // the typical contact force
   }
   [[nodiscard]] double value() const {
-    return scale() > 0 ? std::sqrt(sums[0] / sums[1]) / scale() : 0;
+    const double all = sums[0], bodies = sums[1], of_contacts = scale();
+    return of_contacts > 0 ? std::sqrt(all / bodies) / of_contacts : 0;
   }
-  [[nodiscard]] double worst() const { return scale() > 0 ? std::sqrt(largest) / scale() : 0; }
+  [[nodiscard]] double worst() const {
+    const double of_contacts = scale();
+    return of_contacts > 0 ? std::sqrt(largest) / of_contacts : 0;
+  }
 };
 
 /// Adds the resultant of the contact forces on one body and of its weight.
@@ -39,7 +46,7 @@ inline void add_resultant(unbalanced_sums& u, const vec3& resultant) {
 /// Collective: those of all ranks.
 template <class Scenario>
 void add_up_over_ranks(world_state<Scenario>& s, unbalanced_sums& u) {
-  s.link->reduce(reduction::sum, u.sums);
+  sum_exactly(*s.link, u.sums);
   s.link->reduce(reduction::max, std::span(&u.largest, 1));
 }
 
@@ -49,7 +56,7 @@ template <class Scenario>
 [[nodiscard]] unbalanced_sums unbalanced_force_of_step(world_state<Scenario>& s) {
   unbalanced_sums u;
   u.sums[2] = s.soft.squares_of_forces;
-  u.sums[3] = static_cast<double>(std::get<soft_contacts>(s.contacts).here);
+  u.sums[3] += static_cast<double>(std::get<soft_contacts>(s.contacts).here);
   s.each_finite_shape([&](const auto& b) {
     const soft_body* const bodies = s.soft.bodies.data() + b.first;
     for (std::size_t i = 0; i < b.movable.locals; ++i)
