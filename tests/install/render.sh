@@ -55,6 +55,8 @@ END
 chmod +x bin/convert
 export PATH=$work/bin:$work/some
 refused "--movie takes a file that ends with .mp4 or .gif, not 'a.avi'" pictures --movie a.avi
+refused '--movie needs a value' pictures --movie ''
+refused '--movie needs a value' pictures --movie=
 refused 'there is no folder none for the film none/a.gif' pictures --movie none/a.gif
 refused 'a film shows all pictures' pictures --movie a.gif --frame 1
 refused "--rate takes the number of pictures a second, not 'x'" pictures --movie a.gif --rate x
