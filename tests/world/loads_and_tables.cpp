@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <mutex>
@@ -326,4 +327,20 @@ TEST_CASE("points of contacts across a periodic boundary are those of the owner 
       if (ranks == 1) first = now;
       CHECK(now == first);
     });
+}
+
+TEST_CASE("zero has no sign in tables") {
+  threads::launch({.ranks = 1}, [](threads::link& link) {
+    world<hard> w(link, cells{.lower = {-4, -4}, .upper = {4, 4}});
+    w.material({});
+    w.add_if_local(body{.shape = sphere{0.5}, .position = {-0.0, 1, 2}, .velocity = {0, -0.0, 0}});
+    const std::string file = "/tmp/talus_table_" + std::to_string(getpid()) + ".csv";
+    const data_table bodies = body_table(w);
+    CHECK_FALSE(std::signbit(bodies.numbers("position_x")[0]));
+    CHECK_FALSE(std::signbit(bodies.numbers("velocity_y")[0]));
+    bodies.write_csv(file);
+    CHECK(text_of(file).find("-0") == std::string::npos);
+    CHECK(detail::text(-0.0) == "0");
+    unlink(file.c_str());
+  });
 }

@@ -23,9 +23,10 @@ struct aborted : std::runtime_error {
 
 namespace detail {
 
-// How values appear in messages.
+// How values appear in messages and tables.
 // (vformat parses the text at run time; parsing at compile time costs every program.)
 [[nodiscard, gnu::cold]] inline std::string text(real x) {
+  x += 0.0;  // zero has no sign
   return fmt::vformat("{}", fmt::make_format_args(x));
 }
 [[nodiscard, gnu::cold]] inline std::string text(real x, int digits) {

@@ -25,7 +25,7 @@ void add_numbers(std::vector<data_table::column>& columns, const Rows& rows, std
   for (std::size_t k = 0; k < (ends.empty() ? 1 : ends.size()); ++k) {
     std::vector<double> values;
     values.reserve(rows.size());
-    for (const auto& r : rows) values.push_back(r.values[from + k]);
+    for (const auto& r : rows) values.push_back(r.values[from + k] + 0.0);  // zero has no sign
     columns.push_back({ends.empty() ? name : name + "_" + ends[k], dimension, std::move(values)});
   }
 }
