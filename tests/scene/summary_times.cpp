@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <talus/core/clock.hpp>
 #include <talus/observe/summary.hpp>
 #include <talus/observe/time_series.hpp>
+#include <talus/state/step_times.hpp>
 #include <talus/talus.hpp>
 #include <talus/world/world.hpp>
 
@@ -174,4 +176,56 @@ TEST_CASE("units have the names that the program gives, also in forms of several
   const summary bare = summary_of(1, [](auto&) {});
   CHECK(has(to_text(bare), ", 20 steps of 0.001\n"));
   CHECK(!has(to_json(bare), "unit_"));
+}
+
+TEST_CASE("of the times of steps the median, the slowest of 99 in 100 and the slowest are found") {
+  detail::step_times times;
+  CHECK(times.found().longest == 0);
+  CHECK(times.found().median == 0);
+  for (std::uint64_t k = 1; k <= 1000; ++k) times.add(k == 700 ? 9.0 : 1e-6 * double(k), k);
+  const step_seconds found = times.found();
+  CHECK(found.median == doctest::Approx(500e-6).epsilon(0.025));
+  CHECK(found.p99 == doctest::Approx(991e-6).epsilon(0.025));
+  CHECK(found.longest == 9);
+  CHECK(found.slowest_step == 700);
+  detail::step_times extremes;
+  for (const double seconds : {0.0, 1e-300, 1e300}) extremes.add(seconds, 1);
+  CHECK(extremes.quantile(0.3) <= 1.1e-7);
+  CHECK(extremes.found().longest == 1e300);
+}
+
+TEST_CASE("times of steps leave out the functions of the program, and name the slowest step") {
+  for (const int ranks : {1, 2}) {
+    CAPTURE(ranks);
+    const std::string file = "/tmp/talus_step_times_" + std::to_string(getpid()) + ".json";
+    const std::string count = std::to_string(ranks);
+    const char* arguments[] = {"steps",   "--steps",     "60",     "--quiet",
+                               "--ranks", count.c_str(), "--json", file.c_str()};
+    const int code =
+        run<watched>(static_cast<int>(std::size(arguments)), const_cast<char**>(arguments),
+                     [](auto& w, const options& options) {
+                       set_up(w);
+                       w.after_each_step("spin", [&] {
+                         if (w.steps() == 30) wait(0.2);
+                       });
+                       w.simulate({.steps = options.steps, .dt = 1e-3});
+                     });
+    CHECK(code == 0);
+    std::stringstream text;
+    text << std::ifstream(file).rdbuf();
+    unlink(file.c_str());
+    unlink((file + ".config.toml").c_str());
+    const auto value = [&](const std::string& key) {
+      const auto at = text.str().find("\"" + key + "\": ");
+      REQUIRE(at != std::string::npos);
+      return std::stod(text.str().substr(at + key.size() + 4));
+    };
+    const double median = value("cpu_seconds_per_step_median");
+    CHECK(median > 0);
+    CHECK(median <= value("cpu_seconds_per_step_p99"));
+    CHECK(value("cpu_seconds_per_step_p99") <= value("cpu_seconds_per_step_longest"));
+    CHECK(value("cpu_seconds_per_step_longest") < 0.1);
+    CHECK(value("slowest_step") >= 1);
+    CHECK(value("slowest_step") <= 60);
+  }
 }

@@ -103,6 +103,18 @@ template <class Scenario>
   }
 }
 
+/// Collective: the times of single steps on the slowest rank, where they are measured.
+template <class Scenario>
+[[gnu::cold]] void report_single_steps(world<Scenario>& w, talus::summary& r) {
+  if (view_of(w).single_steps == nullptr) return;
+  const step_seconds here = view_of(w).single_steps->found();
+  std::array<double, 3> most{here.median, here.p99, here.longest};
+  w.link().reduce(reduction::max, most);
+  std::array<std::uint64_t, 1> step{here.longest == most[2] ? here.slowest_step : 0};
+  w.link().reduce(reduction::max, step);
+  r.step_cpu = {most[0], most[1], most[2], step[0]};
+}
+
 /// Collective: the times of functions of the program, of outputs and of monitors. Where ranks have
 /// different functions, all are functions of the program.
 template <class Scenario>
@@ -198,6 +210,7 @@ template <class Scenario>
   link.reduce(reduction::sum, std::span(&cpu_seconds, 1));
   r.cpu_seconds = cpu_seconds;
   detail::report_functions(w, r);
+  detail::report_single_steps(w, r);
   return r;
 }
 

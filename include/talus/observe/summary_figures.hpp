@@ -17,6 +17,7 @@
 #include "talus/observe/residual.hpp"
 #include "talus/observe/warnings_of_scales.hpp"
 #include "talus/state/speed_leap.hpp"
+#include "talus/state/step_times.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -63,6 +64,7 @@ struct summary {
   islands_solved islands;     ///< of this run
   double cpu_seconds = 0;     ///< of all ranks together
   double wall_seconds = 0;
+  step_seconds step_cpu;       ///< CPU time of single steps; only run() measures it
   stage_seconds seconds;       ///< of each stage, on the slowest rank
   stage_seconds seconds_mean;  ///< of each stage, the mean over the ranks
   results functions;       ///< wall time of functions, outputs and monitors, on the slowest rank

@@ -97,6 +97,12 @@ TALUS_INLINE std::string to_json(const summary& r) {
     o.add(std::string("angular_momentum_") + axes[k], r.moving.angular_momentum[k]);
   o.add("cpu_seconds", r.cpu_seconds);
   o.add("wall_seconds", r.wall_seconds);
+  if (r.step_cpu.longest > 0) {
+    o.add("cpu_seconds_per_step_median", r.step_cpu.median);
+    o.add("cpu_seconds_per_step_p99", r.step_cpu.p99);
+    o.add("cpu_seconds_per_step_longest", r.step_cpu.longest);
+    o.add("slowest_step", r.step_cpu.slowest_step);
+  }
   o.add("seconds_detect", r.seconds.detect);
   o.add("seconds_respond", r.seconds.respond);
   o.add("seconds_integrate", r.seconds.integrate);

@@ -45,6 +45,13 @@ TALUS_INLINE std::string time_text(const talus::summary& r) {
       "  time     {} s of wall time, {} ms per step; {} s of CPU time{}, {} ms per step\n",
       text(r.wall_seconds, 3), text(1e3 * r.wall_seconds / steps, 3), text(r.cpu_seconds, 3),
       r.ranks > 1 ? " of all ranks" : "", text(1e3 * r.cpu_seconds / steps, 3));
+  if (const step_seconds& one = r.step_cpu; one.longest > 0)
+    lines += compose(
+        "           CPU time of a step{}: {} ms in the median, at most {} ms in 99 of 100, {} ms "
+        "in "
+        "the slowest (step {})\n",
+        r.ranks > 1 ? " on the slowest rank" : "", text(1e3 * one.median, 3),
+        text(1e3 * one.p99, 3), text(1e3 * one.longest, 3), one.slowest_step);
   std::string small, line = "           ";
   line += r.ranks > 1 ? "wall time of a rank:" : "wall time:";
   constexpr std::size_t widest = 100;

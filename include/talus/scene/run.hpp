@@ -214,6 +214,8 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   until_option until(options);
   std::vector<std::uint64_t> asked;  // of the calls of simulate()
   total_estimate estimate;
+  step_times times;
+  state_of(w).single_steps = &times;
   w.before_simulating("checks at the start", [&] {
     asked.push_back(w.last_step() - w.steps());
     if (options.dry_run) {

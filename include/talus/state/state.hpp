@@ -34,6 +34,7 @@
 #include "talus/state/response_state.hpp"
 #include "talus/state/stage_clock.hpp"
 #include "talus/state/step_lengths.hpp"
+#include "talus/state/step_times.hpp"
 
 namespace talus {
 
@@ -324,6 +325,7 @@ template <class Scenario>
 struct step_records {
   std::conditional_t<state_traits<Scenario>::balances, balanced_seconds, stage_seconds> seconds;
   function_times functions;
+  step_times* single_steps = nullptr;  ///< where steps of simulate() are timed one by one
   [[no_unique_address]] monitor_records<typename Scenario::features> monitors;
 };
 

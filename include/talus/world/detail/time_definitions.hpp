@@ -186,7 +186,10 @@ void world<Scenario>::simulate(const simulation& s) {
   for (std::size_t k = 0; k < steps; ++k) {
     if constexpr (keeps)
       if (hooks != nullptr) hooks->before_step(), clock.lap(number_of_checkpoints);
-    step(s.dt);
+    if (state_.single_steps != nullptr)
+      state_.single_steps->measure(state_.steps + 1, [&] { step(s.dt); });
+    else
+      step(s.dt);
     clock.lap(0);  // other work of steps
     if constexpr (keeps)
       if (hooks != nullptr) hooks->after_step(), clock.lap(number_of_checkpoints);
