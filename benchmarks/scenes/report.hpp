@@ -39,6 +39,7 @@ class stopwatch {
   }
   [[nodiscard]] double median() const { return quantile(0.5); }
   [[nodiscard]] double fastest() const { return quantile(0); }
+  [[nodiscard]] double p99() const { return quantile(0.99); }
   [[nodiscard]] double longest() const { return quantile(1); }
 
  private:
