@@ -1,10 +1,14 @@
 #pragma once
 // Which bodies touch each other: features<contact_filters>. docs/features.md.
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "talus/body/body.hpp"
 #include "talus/core/error.hpp"
@@ -66,17 +70,43 @@ template <class Scenario>
   return both;
 }
 
+/// Forgets the rules of bodies that were destroyed, where rules have become twice as many: a run in
+/// which bodies come and go keeps no more rules than it needs. Collective.
+template <class Scenario>
+[[gnu::cold]] void forget_rules_of_destroyed(world<Scenario>& w) {
+  auto& filters = w.template feature<contact_filters>();
+  const std::vector<std::uint64_t> named = filters.bodies_to_look_for();
+  if (named.empty()) return;
+  std::vector<std::uint64_t> there(named.size(), 0);
+  const auto mark = [&](system_id id) {
+    const auto at = std::lower_bound(named.begin(), named.end(), value_of(id));
+    if (at != named.end() && *at == value_of(id)) there[std::size_t(at - named.begin())] = 1;
+  };
+  state_of(w).each_shape([&](const auto& b) {
+    if constexpr (requires { b.movable; })
+      for (std::size_t i = 0; i < b.movable.locals; ++i) mark(b.movable.id[i]);
+    for (const system_id id : b.global.id) mark(id);
+  });
+  w.link().reduce(reduction::max, std::span(there));
+  std::vector<std::uint64_t> gone;
+  for (std::size_t k = 0; k < named.size(); ++k)
+    if (there[k] == 0) gone.push_back(named[k]);
+  filters.forget_bodies(gone);
+}
+
 }  // namespace detail
 
 /// The two bodies do not touch each other from now on: features<contact_filters>. Collective: all
 /// ranks call it alike, with a handle or an empty optional handle of each body (some rank must have
-/// one). Throws invalid_argument, on all ranks, if none has, if ranks name different bodies, and
-/// for the same body twice.
+/// one). Throws invalid_argument, on all ranks, if none has, if ranks name different bodies, for
+/// the same body twice, and where only_between() names the pair. Rules of destroyed bodies are
+/// forgotten.
 template <class Scenario, class A, class B>
 [[gnu::cold]] void keep_apart(world<Scenario>& w, const A& a, const B& b) {
   const auto [first, second] =
       detail::agree_on_pair(w, "keep_apart", detail::filtered_id(a), detail::filtered_id(b));
   w.template feature<contact_filters>().ignore(first, second);
+  detail::forget_rules_of_destroyed(w);
 }
 /// The two bodies touch each other and nothing else from now on; further calls add partners.
 /// Collective, and throws, as keep_apart().
@@ -85,6 +115,7 @@ template <class Scenario, class A, class B>
   const auto [first, second] =
       detail::agree_on_pair(w, "only_between", detail::filtered_id(a), detail::filtered_id(b));
   w.template feature<contact_filters>().only_between(first, second);
+  detail::forget_rules_of_destroyed(w);
 }
 
 }  // namespace talus

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <limits>
 #include <optional>
 #include <set>
 #include <span>
@@ -14,8 +15,10 @@
 #include <talus/checkpoint.hpp>
 #include <talus/events.hpp>
 #include <talus/observe/monitors.hpp>
+#include <talus/observe/queries.hpp>
 #include <talus/parallel/bisection.hpp>
 #include <talus/parallel/threads.hpp>
+#include <talus/scene/outflow.hpp>
 #include <talus/scene/region.hpp>
 #include <talus/world/each_contact.hpp>
 #include <utility>
@@ -292,4 +295,27 @@ TEST_CASE("what events cannot be is refused") {
       },
       "events has 31 regions, and no room for another: merge regions, or test bodies in "
       "after_each_step");
+  const real nan = std::numeric_limits<real>::quiet_NaN();
+  const std::string says =
+      ", in which no point lies: give its lowest corner first, a radius of 0 or more, and numbers "
+      "everywhere";
+  refused<std::invalid_argument>(
+      [&] {
+        (void)events::state().region(box_region{{1, 1, 1}, {0, 0, 0}});
+      },
+      "events.region was given a region from (1, 1, 1) to (0, 0, 0)" + says);
+  refused<std::invalid_argument>(
+      [&] {
+        (void)events::state().region(box_region{{0, nan, 0}, {1, 1, 1}});
+      },
+      "events.region was given a region from (0, nan, 0) to (1, 1, 1)" + says);
+  threads::launch({.ranks = 1}, [&](threads::link& link) {
+    world<scenario<bodies<sphere>>> w(link);
+    refused<std::invalid_argument>(
+        [&] { (void)bodies_within(w, ball_region{.radius = nan}); },
+        "bodies_within was given a region from (nan, nan, nan) to (nan, nan, nan)" + says);
+    refused<std::invalid_argument>(
+        [&] { (void)remove_in(w, ball_region{.radius = -1}); },
+        "remove_in was given a region from (1, 1, 1) to (-1, -1, -1)" + says);
+  });
 }

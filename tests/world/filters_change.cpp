@@ -179,6 +179,68 @@ TEST_CASE("a rule that is there already changes nothing") {
   CHECK(!changes([&] { filters.clear(); }));
 }
 
+TEST_CASE("a pair that ignores each other and is to touch alone is refused") {
+  contact_filters::state filters;
+  const std::string words =
+      " ignore each other, and that they touch each other and nothing else: leave one of the two "
+      "rules out, or call clear() between them";
+  filters.ignore(contact_group{1}, contact_group{2});
+  refused<std::invalid_argument>([&] { filters.only_between(contact_group{2}, contact_group{1}); },
+                                 "contact_filters was told that the groups 2 and 1" + words);
+  filters.only_between(material_id{0}, material_id{1});
+  refused<std::invalid_argument>([&] { filters.ignore(material_id{0}, material_id{1}); },
+                                 "contact_filters was told that the materials 0 and 1" + words);
+  filters.clear();
+  filters.only_between(contact_group{2}, contact_group{1});
+}
+
+TEST_CASE("a rule on a material that does not exist is refused in the next step, on all ranks") {
+  for (const int ranks : {1, 2})
+    for (const bool masks : {true, false})
+      refused<std::invalid_argument>(
+          [&] {
+            on_ranks<awake>(ranks, [&](auto& w) {
+              (void)tower(w);
+              auto& filters = w.template feature<contact_filters>();
+              filters.ignore(material_id{0}, material_id{0});  // that of tower()
+              w.step(0.01);
+              if (masks)
+                filters.of_material(material_id{77}, 2, 3);
+              else
+                filters.ignore(material_id{77}, material_id{0});
+              w.step(0.01);
+            });
+          },
+          "contact_filters has a rule on material 77, which is unknown to this world, which has 1: "
+          "pass what world.material(...) returned");
+}
+
+TEST_CASE("rules of bodies that are destroyed are forgotten, and those of others hold") {
+  for (const int ranks : {1, 2, 4})
+    on_ranks<awake>(ranks, [&](auto& w) {
+      const auto all = tower(w);
+      w.synchronize();
+      keep_apart(w, all[0], all[1]);
+      auto& filters = w.template feature<contact_filters>();
+      std::size_t most = 0;
+      for (int k = 0; k < 1000; ++k) {
+        const auto passing = w.add_if_local(
+            body{.shape = sphere{0.1}, .position = {-1.9 + 0.003 * k, 0, 9}, .material = {}});
+        w.synchronize();
+        keep_apart(w, passing, all[0]);
+        if (k % 100 == 7) only_between(w, passing, all[2]);
+        most = std::max(most, filters.rules_of_bodies());
+        if (const auto here = passing ? w.find(*passing) : std::nullopt; here && !here->is_remote())
+          w.destroy(*passing);
+        w.synchronize();
+      }
+      CHECK(most < 300);
+      CHECK(most > 20);
+      for (int k = 0; k < 40; ++k) w.step(0.01);
+      CHECK(height(w, all[1]) < 1.45);  // it falls through the other
+    });
+}
+
 TEST_CASE("a rule about different bodies on different ranks is refused") {
   refused<std::invalid_argument>(
       [] {

@@ -19,7 +19,24 @@ int asked = 0;  ///< calls of support()
 
 /// A ball with a mistake.
 struct own {
-  enum mistake { none, hollow, inward, not_a_number, length, radius, box, zero, off };
+  enum mistake {
+    none,
+    hollow,
+    inward,
+    not_a_number,
+    length,
+    radius,
+    box,
+    zero,
+    off,
+    no_volume,
+    negative_volume,
+    large_volume,
+    negative_moments,
+    uneven_moments,
+    moments_times_mass,
+    moments_of_a_grain
+  };
   real size = 1;
   int kind = none;
 
@@ -28,8 +45,21 @@ struct own {
   static constexpr const char* name = "pebble";
   void validate() const {}
   [[nodiscard]] real bounding_radius() const { return kind == radius ? 0.9 * size : size; }
-  [[nodiscard]] real volume() const { return 4 * pi / 3 * size * size * size; }
-  [[nodiscard]] vec3 inertia() const { return vec3(1, 1, 1) * (0.4 * size * size); }
+  [[nodiscard]] real volume() const {
+    const real right = 4 * pi / 3 * size * size * size;
+    return kind == no_volume         ? 0 * right
+           : kind == negative_volume ? -right
+           : kind == large_volume    ? 1.1 * right
+                                     : right;
+  }
+  [[nodiscard]] vec3 inertia() const {
+    const vec3 right = vec3(1, 1, 1) * (0.4 * size * size);
+    if (kind == negative_moments) return vec3(-right[0], -right[1], right[2]);
+    if (kind == uneven_moments) return vec3(0.1, 0.1, 0.9) * (size * size);
+    if (kind == moments_times_mass) return 1000 * right;
+    if (kind == moments_of_a_grain) return 1e-3 * right;
+    return right;
+  }
   [[nodiscard]] vec3 support(const vec3& direction) const {
     ++asked;
     const vec3 d = kind == length ? direction : unit(direction);
@@ -85,6 +115,13 @@ TEST_CASE("a shape of one's own with a mistake is refused, with the direction an
     says(refusal(own{size, own::box}), "half_extents() of that pose returns (");
     says(refusal(own{size, own::zero}), "support((0, 0, 0)) is (");
     says(refusal(own{size, own::off}), "the origin, is not inside");
+    says(refusal(own{size, own::no_volume}), "volume() of a pebble returns 0; return its volume");
+    says(refusal(own{size, own::negative_volume}), "volume() of a pebble returns -4.18");
+    says(refusal(own{size, own::large_volume}), "the ball of its bounding_radius()");
+    says(refusal(own{size, own::negative_moments}), "each must be a finite number above 0");
+    says(refusal(own{size, own::uneven_moments}), "is more than the sum");
+    says(refusal(own{size, own::moments_times_mass}), "the square of its bounding_radius()");
+    says(refusal(own{size, own::moments_of_a_grain}), "a hundredth of those of a ball");
   }
   says(refusal(own{1, own::hollow}), "(0, 0, 1)");
   says(refusal(own{1, own::hollow}), "at 0.");
@@ -96,6 +133,8 @@ TEST_CASE("parts of unions are tested, too") {
   CHECK(refusal(both({{.shape = own{}}, {.shape = sphere{0.5}}})) == "");
   says(refusal(both({{.shape = own{1, own::hollow}}, {.shape = sphere{0.5}}})),
        "the support function of a pebble is not that of a convex body");
+  says(refusal(both({{.shape = own{1, own::uneven_moments}}, {.shape = sphere{0.5}}})),
+       "inertia() of a pebble returns (0.1, 0.1, 0.9)");
 }
 
 TEST_CASE("many bodies of one shape are tested once, and many shapes at a bounded cost") {

@@ -1,6 +1,7 @@
 #pragma once
 // bodies<...>: the shapes of a scenario. Nothing is compiled or stored for other shapes.
 #include <concepts>
+#include <string_view>
 #include <type_traits>
 
 #include "talus/concepts.hpp"
@@ -79,6 +80,12 @@ struct own_shape {
                 "vec3 inertia() const, the principal moments per unit of mass");
 };
 
+/// Unions of any parts have one name, and files number them.
+template <class Shape>
+concept parts_of_union = requires(const Shape& s) {
+  s.each_part([](const auto&, const pose&) {});
+};
+
 template <class Shape>
 struct is_shape : std::bool_constant<concepts::finite_shape<Shape> ||
                                      (concepts::shape<Shape> && parts_of_shape<Shape>::infinite)> {
@@ -100,6 +107,21 @@ struct part_of_bodies {
                 "not one: remove it, or make it model talus::concepts::shape");
 };
 
+/// Whether two shapes that are not unions have one name.
+template <class A, class B>
+inline constexpr bool share_name = [] {
+  if constexpr (std::is_same_v<A, B> || !complete<A> || !complete<B>) {
+    return false;
+  } else if constexpr (parts_of_shape<A>::named && parts_of_shape<B>::named) {
+    constexpr std::string_view a = A::name, b = B::name;
+    return a == b && !(parts_of_union<A> && parts_of_union<B>);
+  } else {
+    return false;
+  }
+}();
+template <class Shape, class... Others>
+inline constexpr bool has_name_of_another = (... || share_name<Shape, Others>);
+
 }  // namespace detail
 
 /// Policy: the shapes of all bodies. Default: bodies<sphere, plane>.
@@ -110,6 +132,9 @@ struct bodies final {
                 "bodies<> names no shape: name at least one, as in bodies<sphere>");
   static_assert(detail::all_different<type_list<Shapes...>>,
                 "bodies<...> names a shape twice: keep one of the two");
+  static_assert(!(... || detail::has_name_of_another<Shapes, Shapes...>),
+                "two shapes of bodies<...> have the same name, by which files distinguish them: "
+                "change the static constexpr const char* name of one");
 
   using talus_role = roles::bodies;
   /// Each shape once, and only shapes: a refused list causes no second error.

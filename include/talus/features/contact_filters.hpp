@@ -45,6 +45,7 @@ class contact_rules {
 
  public:
   [[nodiscard]] bool empty() const { return ignored_.empty() && only_.empty(); }
+  [[nodiscard]] std::size_t size() const { return ignored_.size() + only_.size(); }
   [[nodiscard]] bool allow(std::uint64_t a, std::uint64_t b) const {
     if (empty()) return true;
     const pair both(std::min(a, b), std::max(a, b));
@@ -59,7 +60,37 @@ class contact_rules {
     insert(bound_, a), insert(bound_, b);
     return insert(only_, pair(std::min(a, b), std::max(a, b)));
   }
+  /// Whether there is a rule for this very pair.
+  [[nodiscard]] bool ignored(std::uint64_t a, std::uint64_t b) const {
+    return has(ignored_, pair(std::min(a, b), std::max(a, b)));
+  }
+  [[nodiscard]] bool bound(std::uint64_t a, std::uint64_t b) const {
+    return has(only_, pair(std::min(a, b), std::max(a, b)));
+  }
   void clear() { ignored_.clear(), only_.clear(), bound_.clear(); }
+  /// The largest number that a rule names; 0 without rules.
+  [[nodiscard]] std::uint64_t largest() const {
+    std::uint64_t most = bound_.empty() ? 0 : bound_.back();
+    for (const auto& [a, b] : ignored_) most = std::max(most, b);
+    return most;
+  }
+  /// The numbers that rules name, each once, in ascending order.
+  [[nodiscard]] std::vector<std::uint64_t> named() const {
+    std::vector<std::uint64_t> all = bound_;
+    for (const auto& [a, b] : ignored_) all.push_back(a), all.push_back(b);
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    return all;
+  }
+  /// Forgets rules for numbers that are gone, given in ascending order. What may touch such a
+  /// number alone touches nothing from then on.
+  void forget(const std::vector<std::uint64_t>& gone) {
+    std::erase_if(ignored_,
+                  [&](const pair& p) { return has(gone, p.first) || has(gone, p.second); });
+    std::erase_if(only_, [&](const pair& p) { return has(gone, p.first) && has(gone, p.second); });
+    bound_.clear();
+    for (const auto& [a, b] : only_) insert(bound_, a), insert(bound_, b);
+  }
 
   /// For checkpoints: the rules as numbers, and back.
   [[nodiscard]] std::vector<std::uint64_t> numbers() const {
@@ -140,6 +171,30 @@ struct contact_filters {
       note();
     }
 
+    /// Throws invalid_argument for a rule on a material that does not exist.
+    void require_materials(std::size_t known) const {
+      const std::uint64_t largest = std::max<std::uint64_t>(
+          rules_[1].largest(), materials_.empty() ? 0 : materials_.size() - 1);
+      if (largest > 0 && largest >= known)
+        detail::fail<std::invalid_argument>(
+            "contact_filters has a rule on material {}, which is unknown to this world, which has "
+            "{}: pass what world.material(...) returned",
+            largest, known);
+    }
+    /// The bodies that rules name, in ascending order of their ids, where these have become twice
+    /// as many since the last call of forget_bodies(); else none.
+    [[nodiscard]] std::vector<std::uint64_t> bodies_to_look_for() const {
+      if (rules_[2].size() < next_look_) return {};
+      return rules_[2].named();
+    }
+    /// The number of rules for pairs of bodies.
+    [[nodiscard]] std::size_t rules_of_bodies() const { return rules_[2].size(); }
+    /// Forgets the rules of bodies that do not exist any more, in ascending order.
+    void forget_bodies(const std::vector<std::uint64_t>& gone) {
+      rules_[2].forget(gone);
+      next_look_ = 2 * rules_[2].size() + least_look;
+    }
+
     /// Grows with each change. A call that changes nothing wakes no body.
     [[nodiscard]] std::uint64_t revision() const { return revision_; }
     /// Whether two bodies may touch.
@@ -199,6 +254,14 @@ struct contact_filters {
       return false;
     }
     void rule(std::size_t kind, std::uint64_t a, std::uint64_t b, bool only) {
+      if (only ? rules_[kind].ignored(a, b) : rules_[kind].bound(a, b)) {
+        constexpr const char* kinds[] = {"groups", "materials", "bodies"};
+        detail::fail<std::invalid_argument>(
+            "contact_filters was told that the {} {} and {} ignore each other, and that they touch "
+            "each other and nothing else: leave one of the two rules out, or call clear() between "
+            "them",
+            kinds[kind], a, b);
+      }
       if (only ? rules_[kind].only(a, b) : rules_[kind].ignore(a, b)) note();
     }
     void note() {
@@ -214,6 +277,8 @@ struct contact_filters {
     std::array<std::uint32_t, 32> touched_{};     ///< by the rules, for each group
     std::vector<masks> materials_;
     std::uint64_t revision_ = 0;
+    static constexpr std::size_t least_look = 64;
+    std::size_t next_look_ = least_look;  ///< number of rules at which gone bodies are looked for
   };
 
   struct hooks {

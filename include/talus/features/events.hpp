@@ -23,6 +23,7 @@
 #include "talus/core/error.hpp"
 #include "talus/core/id.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/region_check.hpp"
 #include "talus/core/type_list.hpp"
 
 namespace talus {
@@ -97,13 +98,14 @@ struct events {
     }
     /// Adds a region; returns its number, from 0. A body that is inside has not entered if it was
     /// not there before this step, or if the region was not. Throws invalid_argument beyond 31
-    /// regions.
+    /// regions, and for a region in which no point lies.
     template <concepts::region Region>
     int region(const Region& region) {
       if (regions_.size() == 31)
         detail::fail<std::invalid_argument>(
             "events has 31 regions, and no room for another: merge regions, or test bodies in "
             "after_each_step");
+      detail::require_region(region, "events.region");
       regions_.push_back([region](const vec3& p) { return region.contains(p); });
       return static_cast<int>(regions_.size()) - 1;
     }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "talus/body/body.hpp"
+#include "talus/core/region_check.hpp"
 #include "talus/observe/ask_ranks.hpp"
 #include "talus/observe/asked_bodies.hpp"
 #include "talus/world/state_of.hpp"
@@ -272,11 +273,13 @@ template <class Scenario>
 }
 /// Collective: the bodies whose centres are in a region, by their ids, on all ranks: `point` is the
 /// centre. All ranks name the same region. Planes have no centre, and are left out. Costs a pass
-/// over the bodies and one gathering of what was found.
+/// over the bodies and one gathering of what was found. Throws invalid_argument for a region in
+/// which no point lies.
 template <class Scenario, concepts::region Region>
 [[nodiscard]] std::vector<query_hit> bodies_within(world<Scenario>& w, const Region& region,
                                                    const query_filter& filter = {}) {
   w.require_all_ranks("bodies_within");
+  detail::require_region(region, "bodies_within");
   detail::asked_bodies<Scenario> bodies(detail::view_of(w));
   std::vector<query_hit> found, all;
   for (const bool global : {false, true})

@@ -105,9 +105,12 @@ template <class Scenario>
 void note_filters(world_state<Scenario>& s) {
   std::uint64_t revision = 0;
   each_filter<typename Scenario::features>([&]<class Feature>() {
-    if constexpr (has_own_state<Feature, Scenario>)
+    if constexpr (has_own_state<Feature, Scenario>) {
       if constexpr (requires { own_state<Feature>(s).revision(); })
         revision += own_state<Feature>(s).revision();
+      if constexpr (requires { own_state<Feature>(s).require_materials(s.materials.size()); })
+        own_state<Feature>(s).require_materials(s.materials.size());
+    }
   });
   if (s.filtered.known && s.filtered.revision == revision) return;
   s.found.known = false;

@@ -9,6 +9,7 @@
 #include "talus/body/features.hpp"
 #include "talus/core/exact_sum.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/region_check.hpp"
 #include "talus/parallel/exact_reduction.hpp"
 #include "talus/parallel/reduction.hpp"
 
@@ -54,10 +55,12 @@ class outflow {
 
 /// Removes the bodies whose centre is in a region (anything with contains(point), such as
 /// box_region or half_space) after each step of simulate(); fixed ones stay. `name` identifies its
-/// counts in checkpoints and must be unique. All ranks make the same call.
+/// counts in checkpoints and must be unique. All ranks make the same call. Throws invalid_argument
+/// for a region in which no point lies.
 template <class World, class Region>
 outflow remove_in(World& w, const Region& region, const std::string& name = "outflow") {
   w.require_all_ranks("remove_in", false);
+  detail::require_region(region, "remove_in");
   const auto count = std::make_shared<detail::removed_sum>();
   if constexpr (World::scenario_type::template has_feature<checkpoints>) {
     w.keep_sum(name + " bodies", count->count);

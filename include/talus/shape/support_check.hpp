@@ -1,10 +1,12 @@
 #pragma once
-// Whether the support function of a shape is that of a convex body, at sampled directions. A
-// mistake there would show as bodies that sink into each other, far from its cause.
+// Whether the functions of a shape of a user's own are those of one convex body: its support
+// function at sampled directions, its volume and its inertia. A mistake there would show as bodies
+// that sink into each other, or that turn too slowly, far from its cause.
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
+#include <string>
 
 #include "talus/concepts.hpp"
 #include "talus/core/error.hpp"
@@ -109,6 +111,46 @@ struct untested_shape {
   }
 }
 
+/// Throws invalid_argument, with the values, for a volume and moments per unit of mass that no body
+/// within the bounding radius can have, or that hardly any body has: less than a hundredth of those
+/// of a ball of the volume.
+[[gnu::cold]] inline void require_mass_of_shape(const char* name, real volume, const vec3& moments,
+                                                real radius) {
+  constexpr real slack = 1 + 1e-6;
+  const real ball = 4 * pi / 3 * radius * radius * radius;
+  if (!(volume > 0) || !std::isfinite(volume))
+    fail<std::invalid_argument>(
+        "volume() of a {} returns {}; return its volume, a finite number above 0, and choose units "
+        "in which its size is nearer to 1 if this is beyond what numbers can hold",
+        name, volume);
+  if (!(volume <= ball * slack))
+    fail<std::invalid_argument>(
+        "volume() of a {} returns {}, and the ball of its bounding_radius(), {}, holds {} only; "
+        "return its volume",
+        name, volume, radius, ball);
+  const auto refuse = [&](const std::string& why) {
+    fail<std::invalid_argument>(
+        "inertia() of a {} returns {}: {}; return its principal moments about the centre of mass, "
+        "per unit of mass",
+        name, moments, why);
+  };
+  for (int i = 0; i < 3; ++i) {
+    const real one = moments[i], others = moments[(i + 1) % 3] + moments[(i + 2) % 3];
+    if (!(one > 0) || !std::isfinite(one)) refuse("each must be a finite number above 0");
+    if (!(one <= others * slack))
+      refuse(
+          compose("{} is more than the sum {} of the other two, which no distribution of mass "
+                  "has",
+                  one, others));
+    if (!(one <= radius * radius * slack))
+      refuse(
+          compose("{} is more than {}, the square of its bounding_radius()", one, radius * radius));
+  }
+  const real size = std::cbrt(volume / (4 * pi / 3)), least = real(0.012) * size * size;
+  if (moments[0] + moments[1] + moments[2] < least)
+    refuse(compose("together less than {}, a hundredth of those of a ball of its volume", least));
+}
+
 /// Whether the support function of a shape is all that is known of it.
 template <class Shape>
 inline constexpr bool untested_support =
@@ -137,6 +179,7 @@ void require_convex(const Shape& s) {
                             [](const void* shape, const pose& at) -> vec3 {
                               return static_cast<const Shape*>(shape)->half_extents(at);
                             }});
+    require_mass_of_shape(Shape::name, s.volume(), s.inertia(), s.bounding_radius());
     last = s, --left;
   } else if constexpr (requires { s.each_part([](const auto&, const pose&) {}); }) {
     s.each_part([](const auto& part, const pose&) { require_convex(part); });
