@@ -40,8 +40,9 @@ inline constexpr bool is_union<union_of<Shapes...>> = true;
 
 template <class Shape>
 inline constexpr bool is_part_of_union = [] {
-  if constexpr (requires { Shape::finite; })
-    return Shape::finite && !is_union<Shape>;
+  if constexpr (requires { Shape::finite; }) return Shape::finite && !is_union<Shape> && !requires {
+      Shape::immovable;
+    };
   else
     return false;
 }();
@@ -64,7 +65,8 @@ class union_of {
                 "union_of<> names no shape: name those of the parts, as in union_of<sphere, box>");
   static_assert((... && detail::is_part_of_union<Shapes>),
                 "union_of<...> takes shapes with a volume that are no unions themselves: leave out "
-                "the others, and add the parts of a union one by one");
+                "the others, add the parts of a union one by one, and instead of a triangle_mesh, "
+                "which is a surface, add convex_polyhedron parts");
   static_assert(detail::all_different<type_list<Shapes...>>,
                 "union_of<...> names a shape twice: keep one of the two");
   using data = detail::union_parts<Shapes...>;
