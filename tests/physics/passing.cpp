@@ -3,8 +3,10 @@
 // whatever the gap along the normal between them at its start.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <talus/core/random.hpp>
 #include <talus/mesh.hpp>
 #include <talus/parallel/grid.hpp>
@@ -12,6 +14,7 @@
 #include <talus/parallel/threads.hpp>
 #include <talus/shape/box.hpp>
 #include <talus/shape/capsule.hpp>
+#include <talus/shape/convex_polyhedron.hpp>
 #include <talus/shape/cylinder.hpp>
 #include <talus/shape/frame.hpp>
 #include <talus/solver/coloured_gauss_seidel.hpp>
@@ -345,4 +348,113 @@ TEST_CASE("a passing ball that another one strikes in that step does not enter t
         deepest = std::max(deepest, most);
       }
   MESSAGE("deepest overlap ", deepest, " radii");
+}
+
+namespace {
+
+/// A body that passes the plane x = 0, which an obstacle touches, in the distance `gap`.
+template <class Shape>
+struct passer {
+  Shape shape;
+  real half;  ///< extent along x
+};
+
+/// Flies past an obstacle without gravity, in each phase of the steps; returns how many of these
+/// flights end with another velocity.
+template <class Shape, class Add>
+int turned_aside(const passer<Shape>& p, const vec3& along, real gap, real way, Add&& add) {
+  const real dt = 1.0 / 60;
+  int turned = 0;
+  for (int phase = 0; phase < 8; ++phase) {
+    serial::link link;
+    world<scenario<bodies<sphere, box, cylinder, convex_polyhedron, triangle_mesh>,
+                   transport<serial>>>
+        w(link);
+    w.material({.density = 1, .restitution = 0.5, .friction = 0.3});
+    w.global([&](auto& scope) { add(scope); });
+    const vec3 step(0, 0, -way);
+    const int before = 4 + static_cast<int>(2 / way);
+    const auto b =
+        w.add(body<Shape>{.shape = p.shape,
+                          .position = along + vec3(p.half + gap, 0, way * (before + phase / 8.0)),
+                          .velocity = step / dt});
+    for (int k = 0; k < 2 * before; ++k) w.step(dt);
+    turned += (w[b].velocity() * dt - step).norm() > 1e-9 * way ||
+              w[b].angular_velocity().norm() * dt > 1e-9;
+  }
+  return turned;
+}
+/// Solids whose sides touch the plane x = 0 from below, with their upper faces at z = 0.
+void add_box(auto& scope) {
+  scope.add(body<box>{.shape = box{{1.4, 3.8, 1.8}}, .position = {-0.7, -1.9, -0.9}});
+}
+void add_hull(auto& scope) {
+  const convex_polyhedron h({vec3(0, -2, 0), vec3(0, 2, 0), vec3(-2, 0, 0), vec3(-1, 0, -3)});
+  const pose at = placed(h);
+  scope.add(
+      body<convex_polyhedron>{.shape = h, .position = at.position, .orientation = at.orientation});
+}
+void add_cylinder(auto& scope) {
+  scope.add(body<cylinder>{.shape = cylinder{1, 2}, .position = {-1, 0, -1}});
+}
+/// The surface of a cube with corners at the origin and at (-1, -1, -1).
+void add_mesh(auto& scope) {
+  const auto corner = [](int k) { return vec3(k & 1 ? 0 : -1, k & 2 ? 0 : -1, k & 4 ? 0 : -1); };
+  std::vector<triangle_mesh::triangle> faces;
+  for (const auto& [a, b, c, d] : {std::array{0, 2, 3, 1},
+                                   {4, 5, 7, 6},
+                                   {0, 1, 5, 4},
+                                   {2, 6, 7, 3},
+                                   {0, 4, 6, 2},
+                                   {1, 3, 7, 5}}) {
+    faces.push_back({corner(a), corner(b), corner(c)});
+    faces.push_back({corner(a), corner(c), corner(d)});
+  }
+  const triangle_mesh m(faces);
+  const pose at = placed(m);
+  scope.add(
+      body<triangle_mesh>{.shape = m, .position = at.position, .orientation = at.orientation});
+}
+
+}  // namespace
+
+TEST_CASE("boxes, cylinders and hulls that fly past a solid in any small distance go straight on") {
+  const auto solids = [](auto&& f) {
+    f("box", [](auto& s) { add_box(s); });
+    f("hull", [](auto& s) { add_hull(s); });
+    f("cylinder", [](auto& s) { add_cylinder(s); });
+  };
+  const passer<box> crate{{{0.8, 2.9, 1.8}}, 0.4};
+  const passer<cylinder> drum{{0.5, 1.5}, 0.5};
+  const passer<convex_polyhedron> block{
+      convex_polyhedron({vec3(-0.5, -0.5, -0.5), vec3(0.5, -0.5, -0.5), vec3(-0.5, 0.5, -0.5),
+                         vec3(0.5, 0.5, -0.5), vec3(-0.5, -0.5, 0.5), vec3(0.5, -0.5, 0.5),
+                         vec3(-0.5, 0.5, 0.5), vec3(0.5, 0.5, 0.5)}),
+      0.5};
+  solids([&](const char* name, const auto& add) {
+    CAPTURE(std::string(name));
+    for (const real gap : {0.004, 0.0164, 0.03, 0.1})
+      for (const real way : {0.05, 0.2, 0.38}) {
+        CAPTURE(gap);
+        CAPTURE(way);
+        CHECK(turned_aside(crate, {0, 0, 0.9}, gap, way, add) == 0);
+        CHECK(turned_aside(drum, {0, 0, 0.75}, gap, way, add) == 0);
+        CHECK(turned_aside(block, {0, 0, 0.5}, gap, way, add) == 0);
+      }
+  });
+}
+
+TEST_CASE("balls that fly past edges and corners of a closed mesh go straight on") {
+  for (const real radius : {0.3, 1.0, 1.6})
+    for (const real gap : {0.001, 0.003, 0.03})
+      for (const real y : {-0.3, -0.001, 0.0, 0.0012})
+        for (const real way : {0.1, 0.45, 1.1}) {
+          CAPTURE(radius);
+          CAPTURE(gap);
+          CAPTURE(y);
+          CAPTURE(way);
+          const passer<sphere> ball{sphere{radius}, radius};
+          CHECK(turned_aside(ball, {0, y * radius, 0}, gap * radius, way * radius,
+                             [](auto& s) { add_mesh(s); }) == 0);
+        }
 }

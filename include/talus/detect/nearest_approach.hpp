@@ -23,11 +23,6 @@ namespace talus::detail {
 template <class A, class FlightA, class B, class FlightB>
 [[nodiscard]] bool come_near(const A& a, const FlightA& fa, const B& b, const FlightB& fb, real to,
                              real touch) {
-  // The nearest of several pieces, or of a surface, gives no bound for the others.
-  constexpr bool in_pieces = requires { a.parts(); }
-  || requires { b.parts(); }
-  || requires { a.tree(); }
-  || requires { b.tree(); };
   constexpr int most = 100;
 
   real turning = 0;
@@ -42,17 +37,17 @@ template <class A, class FlightA, class B, class FlightB>
   for (int k = 0; k < most; ++k) {
     const vec3 v = fa.speed(t) - fb.speed(t);
     const real fastest = v.norm() + pull * (to - t) + turning;
-    real gap = never;
-    vec3 normal{0, 0, 0};
+    // Each convex piece has a normal of its own, along which it comes closer; the soonest counts.
+    real gap = never, soonest = never;
     collide_pair(a, fa.at(t), b, fb.at(t), touch + fastest * (to - t),
                  [&](const contact_geometry& g) {
-                   if (g.gap < gap) gap = g.gap, normal = g.normal;
+                   gap = std::min(gap, g.gap);
+                   const real closing = -g.normal.dot(v) + pull * (to - t) + turning;
+                   if (closing > 0)
+                     soonest = std::min(soonest, (g.gap - real(0.5) * touch) / closing);
                  });
-    if (gap == never) return false;
     if (gap <= touch) return true;
-    const real closing = in_pieces ? fastest : -normal.dot(v) + pull * (to - t) + turning;
-    if (closing <= 0) return false;
-    t += (gap - real(0.5) * touch) / closing;
+    t += soonest;
     if (!(t <= to)) return false;
   }
   return true;

@@ -59,7 +59,7 @@ class pair_motion {
     } else {
       const vec3 way = way_past(i, j, at_a, at_b);
       const real turning = way_of_turning(a_, i, s_.dt) + way_of_turning(b_, j, s_.dt);
-      if ((way - normal.dot(way) * normal).norm() + turning <= slack) return false;
+      if ((way - normal.dot(way) * normal).norm() + turning <= touching_part * slack) return false;
       return gap + normal.dot(way) - gravity_ * s_.dt * s_.dt >=
              -reversing_overlap(a_.shape[i], b_.shape[j]);
     }
