@@ -1,13 +1,10 @@
 // POUR in talus, with one of the solvers (--solver); the scene, the measuring and the checking are
 // those of every engine.
-#include <stdexcept>
-#include <string>
-
 #include "scenes/pour_protocol.hpp"
+#include "scenes/solver_choice.hpp"
 #include "scenes/talus_engine.hpp"
 #include "talus/observe/force_balance.hpp"
 #include "talus/observe/islands.hpp"
-#include "talus/solver/coloured_gauss_seidel.hpp"
 
 namespace {
 
@@ -25,14 +22,6 @@ void pour(const bench::arguments& args) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return bench::guarded([&] {
-    bench::arguments args(argc, argv);
-    const auto solver = args.text("solver", "nonlinear_gauss_seidel");
-    if (solver == "nonlinear_gauss_seidel")
-      pour<talus::nonlinear_gauss_seidel>(args);
-    else if (solver == "coloured_gauss_seidel")
-      pour<talus::coloured_gauss_seidel>(args);
-    else
-      throw std::invalid_argument("there is no solver '" + solver + "'");
-  });
+  return bench::main_with_solver(
+      argc, argv, []<class Solver>(const bench::arguments& args) { pour<Solver>(args); });
 }

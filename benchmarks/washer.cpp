@@ -3,17 +3,16 @@
 // run is measured.
 #include <cmath>
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <talus/observe/force_balance.hpp>
 #include <talus/observe/penetration.hpp>
 #include <talus/parallel/serial.hpp>
-#include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
 #include <vector>
 
 #include "scenes/protocol.hpp"
 #include "scenes/report.hpp"
+#include "scenes/solver_choice.hpp"
 
 namespace {
 
@@ -101,14 +100,6 @@ void wash(bench::arguments args) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return bench::guarded([&] {
-    bench::arguments args(argc, argv);
-    const auto solver = args.text("solver", "nonlinear_gauss_seidel");
-    if (solver == "nonlinear_gauss_seidel")
-      wash<talus::nonlinear_gauss_seidel>(args);
-    else if (solver == "coloured_gauss_seidel")
-      wash<talus::coloured_gauss_seidel>(args);
-    else
-      throw std::invalid_argument("there is no solver '" + solver + "'");
-  });
+  return bench::main_with_solver(
+      argc, argv, []<class Solver>(const bench::arguments& args) { wash<Solver>(args); });
 }
