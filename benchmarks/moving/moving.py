@@ -36,6 +36,7 @@ def parse():
     parser.add_argument("--json", type=beside.file_for_rows, default="", help="file for the rows")
     parser.add_argument("--turns", type=beside.positive, default=1, help="of which the fastest counts")
     parser.add_argument("--quick", action="store_true", help="the first steps of each scene alone")
+    parser.add_argument("--list", action="store_true", help="name the targets to build, and stop")
     options = parser.parse_args()
     for scene in options.scenes:
         if scene not in SCENES:
@@ -141,6 +142,9 @@ def runs_of(options, scene):
 
 def main():
     options = parse()
+    if options.list:
+        print(*targets(options))
+        return
     if not options.counts:
         print("moving: nothing counts instructions here (perf stat -e instructions:u)", file=sys.stderr)
     rows = []
@@ -159,6 +163,14 @@ def main():
             print(line_of(rows[-1]), file=sys.stderr)
     beside.write_rows(rows, options.json)
     table(rows)
+
+
+def targets(options):
+    """The programs of the scenes, as targets of the build."""
+    named = [f"example_{scene}" for scene in options.scenes if scene in EXAMPLES]
+    if any(scene in POURS for scene in options.scenes):
+        named += ["bench_pour", *(f"bench_pour_{rival}" for rival in options.rivals)]
+    return named + (["bench_washer"] if "washer" in options.scenes else [])
 
 
 def line_of(row):
