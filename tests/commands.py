@@ -88,7 +88,7 @@ INSTEAD = {
         "./dev bench pile --bodies 300 --from ~/pile.state --tiles 2",
     "./dev bench moving": "./dev bench moving --quick --scenes pour_0.2 --json ~/moving.json",
     "./dev bench moving --rivals bullet,ode --json moving.json":
-        "./dev bench moving --quick --scenes well,pour_0.2 --rivals ode --json ~/moving.json",
+        "./dev bench moving --quick --scenes pour_0.2 --rivals ode --json ~/moving.json",
     "./dev bench hard": "./dev bench hard --only 'stack of 10' --rate 60 --json ~/hard.json",
     "./dev bench cluster": "./dev bench cluster --quick --bodies 1000 --turns 1",
     "./dev bench pyramid [--rows N] [--count N] [--rate N] [--rivals bullet,ode] [--json FILE]":
