@@ -45,7 +45,7 @@ int main(int argc, char** argv) {
         const double layers = std::max(4., std::round(0.6 * std::cbrt(options.grains)));
         const double W = std::max(std::sqrt(options.grains / layers / 8) * pitch, 8 * r), L = 2 * W;
         const double bed = layers * pitch;
-        const double R = L, from = -1.2,
+        const double R = 0.75 * L, from = -1.2,
                      to = 1.2;  // of the bucket: radius, angles from the vertical
         world.decompose({.lower = {-L}, .upper = {L}}, reach{1.5 * R});
         world.units({.length = "m", .mass = "t", .time = "s"});
@@ -60,7 +60,9 @@ int main(int argc, char** argv) {
           }
         });
         const vec3 pivot(0, 0, 0.45 * bed + R), axis(0, -1, 0);  // positive angles dig towards +x
-        const bucket_shape shape = make_bucket(R, 1.2 * W);
+        // The bucket keeps more than two grains away from the walls. In a narrower gap grains jam,
+        // and the torque of a motor without a bound is then that of crushing them.
+        const bucket_shape shape = make_bucket(R, 0.8 * W);
         const pose at = placed(shape, {pivot, rotation(axis, from)});
         const auto bucket = world.add_if_local(body{.shape = shape,
                                                     .position = at.position,

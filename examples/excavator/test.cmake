@@ -1,6 +1,6 @@
 # The bucket digs from -1.2 to 1.2 radians; the work of its motor, summed from torque and angle, is that in
 # the ledger, which closes.
-set(digs "angle GREATER 1.2" "angle LESS 1.21" "digging_torque GREATER 0.3" "digging_torque LESS 1.2"
+set(digs "angle GREATER 1.2" "angle LESS 1.21" "digging_torque GREATER 0.35" "digging_torque LESS 0.55"
          "work_error LESS 1e-12" "ledger LESS 1e-12")
 add_example_test(alone ARGS --quiet --ranks 1 --grains 300 CHECK ${digs})
 add_example_test(mpi RANKS 2 ARGS --quiet --grains 300 CHECK ${digs})
