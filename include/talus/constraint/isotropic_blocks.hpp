@@ -244,11 +244,14 @@ class isotropic_blocks {
     const std::uint32_t slot = slots_[i];
     return slot & overflow ? overflow_[slot & ~overflow] : get(slot / lanes, slot % lanes);
   }
-  /// The bodies of a contact: cheaper than all of it.
+  /// The bodies of a contact, b = -1 if that is a global one: cheaper than all of it.
   [[nodiscard]] plain_pair<std::int32_t, std::int32_t> bodies(std::size_t i) const {
     const std::uint32_t slot = slots_[i];
-    if (slot & overflow) return {overflow_[slot & ~overflow].a, overflow_[slot & ~overflow].b};
-    return {blocks_[slot / lanes].a[slot % lanes], blocks_[slot / lanes].b[slot % lanes]};
+    const bool single = (slot & overflow) != 0;
+    const std::int32_t a =
+        single ? overflow_[slot & ~overflow].a : blocks_[slot / lanes].a[slot % lanes];
+    if constexpr (!paired) return {a, -1};
+    return {a, single ? overflow_[slot & ~overflow].b : blocks_[slot / lanes].b[slot % lanes]};
   }
   [[nodiscard]] vec3 impulse(std::size_t i) const {
     const std::uint32_t slot = slots_[i];

@@ -34,6 +34,10 @@ class disjoint_sets {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
+  /// Shortens all paths to one step, if join() had no order of its own.
+  void shorten() {
+    for (std::uint32_t& parent : parent_) parent = parent_[parent];  // roots come first
+  }
   /// Joins the sets of a and b. The root that comes first represents both: the lowest number of a
   /// set, unless `before` says otherwise.
   template <class Number, class Before = std::less<>>

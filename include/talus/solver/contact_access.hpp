@@ -31,7 +31,7 @@ struct contact_ends {
 template <class State>
 struct contact_calls {
   std::size_t (*size)(void*, contact_part);
-  contact_ends (*ends)(void*, contact_part, std::size_t);
+  void (*add_ends)(void*, contact_part, plain_vector<contact_ends>&);
   const contact_key& (*key)(void*, contact_part, std::size_t);
   island_contact (*contact)(void*, contact_part, std::size_t);
   void (*set)(void*, contact_part, std::size_t, const vec3&);
@@ -48,8 +48,16 @@ class contact_access {
   explicit contact_access(List& list) : list_(&list), calls_(List::calls()) {}
 
   [[nodiscard]] std::size_t size(contact_part p) const { return calls_->size(list_, p); }
-  [[nodiscard]] contact_ends ends(contact_part p, std::size_t i) const {
-    return calls_->ends(list_, p, i);
+  /// Appends the bodies of each contact.
+  void add_ends(contact_part p, plain_vector<contact_ends>& to) const {
+    calls_->add_ends(list_, p, to);
+  }
+  /// Calls f(its bodies, index) for each contact.
+  template <class F>
+  void each_ends(contact_part p, F&& f) const {
+    plain_vector<contact_ends> all;
+    add_ends(p, all);
+    for (std::size_t i = 0; i < all.size(); ++i) f(all[i], i);
   }
   [[nodiscard]] const contact_key& key(contact_part p, std::size_t i) const {
     return calls_->key(list_, p, i);
@@ -91,9 +99,13 @@ template <class List>
 template <class List>
 inline constexpr contact_calls<typename List::state> calls_for{
     [](void* l, contact_part p) { return list_at<List>(l).size(p); },
-    [](void* l, contact_part p, std::size_t i) -> contact_ends {
-      const auto [a, b] = list_at<List>(l).bodies(p, i);
-      return {a, b};
+    [](void* l, contact_part p, plain_vector<contact_ends>& to) {
+      const std::size_t n = list_at<List>(l).size(p);
+      to.reserve(to.size() + n);
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto [a, b] = list_at<List>(l).bodies(p, i);
+        to.push_back({a, b});
+      }
     },
     [](void* l, contact_part p, std::size_t i) -> const contact_key& {
       return list_at<List>(l).key(p, i);

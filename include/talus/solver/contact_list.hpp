@@ -202,13 +202,17 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   }
   /// The bodies of a contact: a, and b, or -1 if that is a global one.
   [[nodiscard]] plain_pair<std::int32_t, std::int32_t> bodies(contact_part p, std::size_t i) const {
-    if constexpr (Contact::paired && requires { inner_.row.bodies(i); })
-      if (p == contact_part::interior) {
-        const std::size_t inner = inner_.row.size();
-        return i < inner ? inner_.row.bodies(i) : border_.row.bodies(i - inner);
-      }
-    const auto c = contact(p, i);
-    return {c.a, Contact::paired ? c.b : -1};
+    const auto of = [](const Contact& c) -> plain_pair<std::int32_t, std::int32_t> {
+      return {c.a, Contact::paired ? c.b : -1};
+    };
+    if (p != contact_part::interior)
+      return of(p == contact_part::boundary ? boundary_[i] : foreign_[i]);
+    const std::size_t inner = inner_.row.size();
+    const auto& row = i < inner ? inner_.row : border_.row;
+    if constexpr (requires { row.bodies(i); })
+      return row.bodies(i < inner ? i : i - inner);
+    else
+      return of(row[i < inner ? i : i - inner]);
   }
   template <class F>
   void edit(contact_part p, std::size_t i, F&& f) {
@@ -257,6 +261,12 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   template <class F>
   void edit_interior_contacts(F&& f) {
     for (std::size_t i = 0, n = interior(); i < n; ++i) edit_interior(i, f);
+  }
+  /// The same for those contacts whose bodies `chosen(a, b)` selects.
+  template <class Chosen, class F>
+  void edit_interior_contacts(Chosen&& chosen, F&& f) {
+    for (std::size_t i = 0, n = interior(); i < n; ++i)
+      if (const auto [a, b] = bodies(contact_part::interior, i); chosen(a, b)) edit_interior(i, f);
   }
   /// Calls f(contact, key) for the interior contacts, which edit_keyed() may change.
   template <class F>

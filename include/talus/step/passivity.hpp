@@ -198,8 +198,10 @@ class passivity {
     const auto& works = s_.passive.works;
     for (const impulse_work& w : works) found_ = found_ || w.adds_energy();
     if (!found_) return;
+    plain_vector<real> of_islands(works.size());
+    for (std::size_t k = 0; k < works.size(); ++k) of_islands[k] = works[k].excess();
     excess.resize(solver_.bodies.size());
-    for (std::size_t k = 0; k < excess.size(); ++k) excess[k] = island_of(k).excess();
+    for (std::size_t k = 0; k < excess.size(); ++k) excess[k] = of_islands[s_.passive.island[k]];
   }
   [[nodiscard]] const impulse_work& island_of(std::size_t body) const {
     return s_.passive.works[s_.passive.island[body]];
@@ -283,10 +285,14 @@ class passivity {
     if (!found_) return;
     const auto& excess = s_.passive.excess;
     each_list([&](auto& list) {
-      list.edit_interior_contacts([&](auto& c) {
-        const real d = excess[static_cast<std::size_t>(moves(c.a) ? c.a : c.b)];
-        if (d != 0) shrink(c, d, [&](const auto& change) { c.apply(solver_, change); });
-      });
+      const auto excess_of = [&](std::int32_t a, std::int32_t b) {
+        return excess[static_cast<std::size_t>(moves(a) ? a : b)];
+      };
+      list.edit_interior_contacts(
+          [&](std::int32_t a, std::int32_t b) { return excess_of(a, b) != 0; },
+          [&](auto& c) {
+            shrink(c, excess_of(c.a, c.b), [&](const auto& change) { c.apply(solver_, change); });
+          });
     });
   }
   /// Sweeps again where islands gain too much energy from boundary contacts. Interior contacts
@@ -315,23 +321,24 @@ class passivity {
   std::size_t sweep_plastically() {
     std::size_t solved = 0;
     each_list([&](auto& list) {
-      list.edit_interior_contacts([&](auto& c) {
-        const auto gains = [&](std::int32_t body) {
-          return moves(body) && island_of(static_cast<std::size_t>(body)).adds_energy();
-        };
-        if (!gains(c.a) && !gains(c.b)) return;
-        ++solved;
-        if constexpr (is_joint<decltype(c)>) {
-          c.apply(solver_, c.relax(solver_));
-        } else {
-          const auto target = c.target_velocity;
-          c.target_velocity = std::min(c.target_velocity, decltype(c.target_velocity)(0));
-          c.prepare(solver_, 1, 1);
-          const auto change = c.relax(solver_);
-          c.target_velocity = target;
-          c.apply(solver_, change);
-        }
-      });
+      const auto gains = [&](std::int32_t body) {
+        return moves(body) && island_of(static_cast<std::size_t>(body)).adds_energy();
+      };
+      list.edit_interior_contacts(
+          [&](std::int32_t a, std::int32_t b) { return gains(a) || gains(b); },
+          [&](auto& c) {
+            ++solved;
+            if constexpr (is_joint<decltype(c)>) {
+              c.apply(solver_, c.relax(solver_));
+            } else {
+              const auto target = c.target_velocity;
+              c.target_velocity = std::min(c.target_velocity, decltype(c.target_velocity)(0));
+              c.prepare(solver_, 1, 1);
+              const auto change = c.relax(solver_);
+              c.target_velocity = target;
+              c.apply(solver_, change);
+            }
+          });
     });
     return solved;
   }

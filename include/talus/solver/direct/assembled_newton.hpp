@@ -15,7 +15,7 @@ template <class System>
 class assembled_newton {
  public:
   assembled_newton(const assembled_problem& p, const assembled_sweeps& sweep)
-      : p_(&p), sweep_(&sweep), place_(p.contacts()) {}
+      : p_(&p), sweep_(&sweep), place_(p.contacts()), now_(p.contacts()) {}
 
   /// Moves r towards the solution of the problem with the proximal term, until its residual is
   /// within `accuracy` times |r - centre| or after `steps` linear systems. If a Newton step gains
@@ -23,8 +23,7 @@ class assembled_newton {
   template <class GoOn>
   bool solve(contact_vector& r, const contact_vector& centre, real alpha, real accuracy, int steps,
              GoOn&& go_on) {
-    alpha_ = alpha;
-    steps_ = 0;
+    begin(alpha);
     real now = residual(r, centre, f_), best = now;
     contact_vector best_r = r;
     const real aim = accuracy * now;
@@ -65,8 +64,7 @@ class assembled_newton {
   /// converged.
   bool solve_by_whole_steps(contact_vector& r, const contact_vector& centre, real alpha,
                             real accuracy, int steps) {
-    alpha_ = alpha;
-    steps_ = 0;
+    begin(alpha);
     real now = residual(r, centre, f_), best = now;
     contact_vector best_r = r;
     while (steps_ < steps) {
@@ -87,13 +85,25 @@ class assembled_newton {
  private:
   enum class state { open, sticks, slides };
 
-  real rho(int i) const { return 3 / (trace(p_->own(i)) + 3 * alpha_); }
+  /// A contact at the impulses of the last residual: y = r - rho u, and the length of its
+  /// tangential part unless the contact is open.
+  struct trial_point {
+    state is = state::open;
+    real rho = 0, tangential = 0;
+    vec3 y{0, 0, 0};
+  };
 
-  state state_of(int i, const contact_vector& r, const contact_vector& u, vec3& y) const {
-    y = r(i) - rho(i) * u(i);
-    if (y[0] <= 0) return state::open;
-    const real t = std::hypot(y[1], y[2]);
-    return p_->mu[i] > 0 && t <= p_->mu[i] * y[0] ? state::sticks : state::slides;
+  void begin(real alpha) {
+    alpha_ = alpha;
+    steps_ = 0;
+    for (int i = 0; i < p_->contacts(); ++i) now_[i].rho = 3 / (trace(p_->own(i)) + 3 * alpha);
+  }
+  void look(trial_point& at, real mu, const vec3& r, const vec3& u) const {
+    at.y = r - at.rho * u;
+    at.is = state::open;
+    if (at.y[0] <= 0) return;
+    at.tangential = std::hypot(at.y[1], at.y[2]);
+    at.is = mu > 0 && at.tangential <= mu * at.y[0] ? state::sticks : state::slides;
   }
 
   real residual(const contact_vector& r, const contact_vector& centre, contact_vector& f) {
@@ -102,34 +112,34 @@ class assembled_newton {
     u_.add(-alpha_, centre);
     f.resize(r.contacts());
     for (int i = 0; i < p_->contacts(); ++i) {
-      vec3 y;
       vec3& fi = f(i);
       const vec3 &ri = r(i), &ui = u_(i);
-      switch (state_of(i, r, u_, y)) {
+      trial_point& at = now_[i];
+      look(at, p_->mu[i], ri, ui);
+      switch (at.is) {
         case state::open:
           fi = ri;
           break;
         case state::sticks:
-          fi = rho(i) * ui;
+          fi = at.rho * ui;
           break;
         case state::slides: {
-          const real t = std::hypot(y[1], y[2]), scale = t > 0 ? p_->mu[i] * y[0] / t : 0;
-          fi = vec3(rho(i) * ui[0], ri[1] - scale * y[1], ri[2] - scale * y[2]);
+          const real t = at.tangential, scale = t > 0 ? p_->mu[i] * at.y[0] / t : 0;
+          fi = vec3(at.rho * ui[0], ri[1] - scale * at.y[1], ri[2] - scale * at.y[2]);
         }
       }
     }
     return f.norm();
   }
 
-  /// The Newton step from r; u_ and f_ belong to it. Open contacts are eliminated: their step is
-  /// -r.
+  /// The Newton step from r, at which residual() was computed last: u_, f_ and now_ belong to it.
+  /// Open contacts are eliminated: their step is -r.
   bool direction(const contact_vector& r) {
     const int n = p_->contacts();
-    vec3 y;
     int active = 0;
     step_ = r;
     step_ *= -1;
-    for (int i = 0; i < n; ++i) place_[i] = state_of(i, r, u_, y) == state::open ? -1 : active++;
+    for (int i = 0; i < n; ++i) place_[i] = now_[i].is == state::open ? -1 : active++;
     if (active == 0) return true;
     system_.reset(active);
     contact_vector right(active), x;
@@ -137,19 +147,21 @@ class assembled_newton {
       const int row = place_[i];
       if (row < 0) continue;
       // f changes by of_u du + of_r dr
-      mat3 of_u = diagonal_matrix(rho(i)), of_r = diagonal_matrix(real{0});
-      if (state_of(i, r, u_, y) == state::slides) {
-        const real t = std::hypot(y[1], y[2]), mu = p_->mu[i];
+      const trial_point& at = now_[i];
+      const vec3& y = at.y;
+      mat3 of_u = diagonal_matrix(at.rho), of_r = diagonal_matrix(real{0});
+      if (at.is == state::slides) {
+        const real t = at.tangential, mu = p_->mu[i];
         const real c = t > 0 ? y[1] / t : 0, s = t > 0 ? y[2] / t : 0;
         const real turn = t > 0 ? mu * y[0] / t : 0;
         const real d[] = {c, s};
         for (int j = 0; j < 2; ++j) {
           of_r(1 + j, 0) = -mu * d[j];
-          of_u(1 + j, 0) = rho(i) * mu * d[j];
+          of_u(1 + j, 0) = at.rho * mu * d[j];
           for (int k = 0; k < 2; ++k) {
             const real across = turn * ((j == k) - d[j] * d[k]);
             of_r(1 + j, 1 + k) = (j == k) - across;
-            of_u(1 + j, 1 + k) = rho(i) * across;
+            of_u(1 + j, 1 + k) = at.rho * across;
           }
         }
       }
@@ -173,6 +185,7 @@ class assembled_newton {
   const assembled_problem* p_;
   const assembled_sweeps* sweep_;
   plain_vector<int> place_;  ///< in the linear system, -1 for open contacts
+  plain_vector<trial_point> now_;
   System system_;
   real alpha_ = 0;
   int steps_ = 0;

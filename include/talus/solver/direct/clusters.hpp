@@ -34,7 +34,7 @@ class overloaded_clusters {
             const plain_vector<real>& masses) {
     masses_ = &masses;
     found_ = false;
-    plain_vector<real> lightest(masses.size(), std::numeric_limits<real>::max());
+    plain_vector<char> above(masses.size(), 0);  // heavier than a body that it touches
     first_.assign(masses.size() + 1, 0);
     const auto each = [&](auto&& f) {
       for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -44,12 +44,12 @@ class overloaded_clusters {
       }
     };
     each([&](std::size_t body, std::size_t other) {
-      lightest[body] = std::min(lightest[body], masses[other]);
+      above[body] |= masses[body] > heavy * masses[other];
       ++first_[body + 1];
     });
     plain_vector<std::uint32_t> candidates;
     for (std::uint32_t i = 0; i < masses.size(); ++i)
-      if (masses[i] > heavy * lightest[i]) candidates.push_back(i);
+      if (above[i]) candidates.push_back(i);
     if (candidates.empty()) return;
     for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
     touching_.resize(first_.back());

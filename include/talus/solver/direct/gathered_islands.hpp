@@ -173,8 +173,7 @@ class gathered_islands {
   template <class F>
   static void each_contact(std::span<const access> lists, contact_part p, F&& f) {
     for (std::size_t k = 0; k < lists.size(); ++k)
-      for (std::size_t i = 0, n = lists[k].size(p); i < n; ++i)
-        f(lists[k].ends(p, i), member{k, p, i});
+      lists[k].each_ends(p, [&](const contact_ends& c, std::size_t i) { f(c, member{k, p, i}); });
   }
   void note_owners(const State& s, int own, std::span<const travelling_bodies> travelling) {
     owner_.assign(s.bodies.size(), own);

@@ -116,8 +116,7 @@ class shared_islands {
   static void each_contact(std::span<const access> lists, F&& f) {
     for (std::size_t k = 0; k < lists.size(); ++k)
       for (const auto p : {contact_part::interior, contact_part::boundary, contact_part::foreign})
-        for (std::size_t i = 0, n = lists[k].size(p); i < n; ++i)
-          f(lists[k].ends(p, i), member{k, p, i});
+        lists[k].each_ends(p, [&](const contact_ends& c, std::size_t i) { f(c, member{k, p, i}); });
   }
   static bool moves(const State& s, std::int32_t body) {
     return s.bodies[static_cast<std::size_t>(body)].inverse_mass != 0;

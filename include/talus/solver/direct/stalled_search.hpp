@@ -114,32 +114,30 @@ class stalled_search {
   struct member {
     std::size_t list, index;
   };
-  static const auto& body(const State& s, std::int32_t i) {
-    return s.bodies[static_cast<std::size_t>(i)];
-  }
-  static bool moves(const State& s, std::int32_t i) { return body(s, i).inverse_mass != 0; }
+  [[nodiscard]] bool moves(std::int32_t i) const { return mass_of(i) > 0; }
 
-  [[nodiscard]] std::uint32_t root(const contact_ends& c, const State& s) {
-    return sets_.root(moves(s, c.a) ? c.a : c.b);
+  [[nodiscard]] std::uint32_t root(const contact_ends& c) {
+    return sets_.root(moves(c.a) ? c.a : c.b);
   }
   void join_bodies(const State& s) {
-    sets_.reset(s.bodies.size());
+    masses_.resize(s.bodies.size());
+    for (std::size_t i = 0; i < s.bodies.size(); ++i)
+      masses_[i] = s.bodies[i].inverse_mass != 0 ? 1 / real(s.bodies[i].inverse_mass) : 0;
     for (const access& list : lists_) {
       firsts_.push_back(ends_.size());
-      for (std::size_t i = 0, n = list.size(contact_part::interior); i < n; ++i) {
-        ends_.push_back(list.ends(contact_part::interior, i));
-        const auto [a, b] = ends_.back();
-        if (b < 0 || !moves(s, a) || !moves(s, b)) continue;
-        sets_.join(a, b);
-      }
+      list.add_ends(contact_part::interior, ends_);
     }
     firsts_.push_back(ends_.size());
+    sets_.reset(s.bodies.size());
+    for (const auto [a, b] : ends_)
+      if (b >= 0 && moves(a) && moves(b)) sets_.join(a, b);
+    sets_.shorten();
   }
   void gather(changed changes, const State& s) {
     number_.assign(s.bodies.size(), 0);  // from 1, of the island of a root
     for (std::size_t k = 0; k < changes.size(); ++k)
       for (const auto& [i, change] : changes[k]) {
-        auto& number = number_[root(ends_[firsts_[k] + i], s)];
+        auto& number = number_[root(ends_[firsts_[k] + i])];
         if (number == 0) {
           islands_.emplace_back();
           number = static_cast<std::uint32_t>(islands_.size());
@@ -148,18 +146,15 @@ class stalled_search {
         one.change = std::max(one.change, change);
       }
     island_of_.resize(ends_.size());
-    for (std::size_t n = 0; n < ends_.size(); ++n) island_of_[n] = number_[root(ends_[n], s)];
-    masses_.resize(s.bodies.size());
-    for (std::size_t i = 0; i < s.bodies.size(); ++i)
-      masses_[i] = s.bodies[i].inverse_mass != 0 ? 1 / real(s.bodies[i].inverse_mass) : 0;
-    each_contact([&](island& one, const contact_ends& c, std::size_t) {
-      ++one.size;
-      for (const std::int32_t end : {c.a, c.b})
-        if (end >= 0 && moves(s, end)) one.add(mass_of(end));
-    });
-    for (std::int32_t i = 0; i < static_cast<std::int32_t>(s.bodies.size()); ++i)
-      if (const auto number = moves(s, i) ? number_[sets_.root(i)] : 0; number != 0)
+    for (std::size_t n = 0; n < ends_.size(); ++n) {
+      const std::uint32_t number = island_of_[n] = number_[root(ends_[n])];
+      if (number != 0) ++islands_[number - 1].size;
+    }
+    for (std::size_t i = 0; i < masses_.size(); ++i)
+      if (const auto number = masses_[i] > 0 ? number_[sets_.root(i)] : 0; number != 0) {
         ++islands_[number - 1].bodies;
+        islands_[number - 1].add(masses_[i]);
+      }
     for (const std::uint32_t i : s.gathered)
       if (const auto number = number_[sets_.root(i)]; number != 0)
         islands_[number - 1].elsewhere = true;
@@ -180,15 +175,10 @@ class stalled_search {
     const auto add = [&](island& one, std::size_t n) {
       if (is_solved_here(one)) members_[one.end++] = n;
     };
-    each_contact([&](island& one, const contact_ends&, std::size_t n) { add(one, n); });
+    for (std::size_t n = 0; n < ends_.size(); ++n)
+      if (const auto number = island_of_[n]; number != 0) add(islands_[number - 1], n);
     each_of_clusters([&](island& one, std::size_t n) { add(one, n); });
     numbers_.assign(s.bodies.size(), -1);
-  }
-  /// Calls f(island, ends, contact) for each contact of the islands.
-  template <class F>
-  void each_contact(F&& f) {
-    for (std::size_t n = 0; n < ends_.size(); ++n)
-      if (const auto number = island_of_[n]; number != 0) f(islands_[number - 1], ends_[n], n);
   }
   /// Calls f(cluster, contact) for each contact of the clusters that stall.
   template <class F>
@@ -207,6 +197,10 @@ class stalled_search {
     return of == none ? none : cluster_number_[of];
   }
   void find_clusters(changed changes) {
+    if (std::none_of(islands_.begin(), islands_.end(), [](const island& one) {
+          return !one.elsewhere && one.most_mass > overloaded_clusters::heavy * one.least_mass;
+        }))
+      return;
     const auto in_question = [&](std::size_t n) {
       const std::uint32_t number = island_of_[n];
       return number != 0 && !islands_[number - 1].elsewhere;
