@@ -11,6 +11,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/shape/level_triangles.hpp"
 #include "talus/shape/near_triangles.hpp"
 #include "talus/shape/triangle_tree.hpp"
 #include "talus/shape/weld_triangles.hpp"
@@ -34,7 +35,8 @@ class triangle_mesh {
   /// An empty value, to be assigned to.
   triangle_mesh() = default;
   /// Corners within a millionth of the radius of the surface are merged, triangles without an area
-  /// or given twice are dropped, and edges on which other corners lie are divided there. `report`,
+  /// or given twice are dropped, and edges on which other corners lie are divided there. Triangles
+  /// with common edges that lie in a plane, but for that distance, are moved into it. `report`,
   /// unless null, gets what was found. Throws invalid_argument, with its number, for a triangle
   /// whose corners are not finite, and if no triangle is left, or areas would not be numbers.
   explicit triangle_mesh(const std::vector<triangle>& triangles, surface_report* report = nullptr)
@@ -148,6 +150,9 @@ class triangle_mesh {
       for (const triangle& t : triangles) welder.add({t[0] - centre, t[1] - centre, t[2] - centre});
       welder.finish();
     }
+    found.levelled = detail::triangle_leveller(welder.points, welder.faces,
+                                               detail::weld_part * radius, real(1e-13) * radius)
+                         .level();
     for (auto* places : {&found.joined, &found.open_edges, &found.shared_edges})
       for (vec3& p : *places) p += centre;
     auto& faces = welder.faces;

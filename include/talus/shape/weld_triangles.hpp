@@ -26,6 +26,7 @@ struct surface_report {
   std::size_t merged = 0;        ///< corners at some distance from that which they were merged with
   std::size_t without_area = 0;  ///< triangles dropped because corners coincide or lie in a line
   std::size_t doubled = 0;       ///< triangles dropped because others have the same corners
+  std::size_t levelled = 0;      ///< corners moved into the plane of the triangles around them
   std::vector<vec3> joined;  ///< corners on an edge of another triangle, which was divided there
   /// The middle of each edge that one triangle alone has: the rim of the surface, or a hole.
   std::vector<vec3> open_edges;
@@ -39,6 +40,7 @@ struct surface_report {
     };
     return std::to_string(merged) + " corners merged, " + std::to_string(without_area) +
            " triangles without an area and " + std::to_string(doubled) + " given twice dropped, " +
+           std::to_string(levelled) + " corners moved into the plane around them, " +
            places("corners on an edge joined", joined) + ", " + places("open edges", open_edges) +
            ", " + places("edges of three triangles or more", shared_edges);
   }

@@ -21,15 +21,17 @@ class convex_contact {
 
  public:
   /// Both shapes posed in one frame, whose origin is at `origin` in the world and whose axes are
-  /// those of the world.
+  /// those of the world. Contacts of `piecewise` shapes are parts of those of a larger face, so
+  /// that small corners of their manifolds count.
   convex_contact(const convex_view<Real>& a, const convex_view<Real>& b, const vec3& origin,
-                 Real margin)
+                 Real margin, bool piecewise = false)
       : a_(a),
         b_(b),
         origin_(origin),
         margin_(margin),
         rounding_(a.rounding() + b.rounding()),
-        smallest_(std::min(a.smallest(), b.smallest())) {}
+        smallest_(std::min(a.smallest(), b.smallest())),
+        least_corner_(piecewise ? Real(1e-9) : Real(1e-4)) {}
 
   /// The points with a gap of at most the margin, at most 16. (A list, so that this is compiled
   /// once for all uses of the points.) Without `climb` the pair has been refused by a function of
@@ -37,6 +39,15 @@ class convex_contact {
   [[nodiscard]] std::span<const contact_geometry> find(bool climb = true) {
     size_ = 0;
     search(climb);
+    return {found_.data(), size_};
+  }
+  /// The points over that face of a, along its normal: for a face that other faces continue, of
+  /// which a sideways direction may be nearer and is no direction of contact.
+  [[nodiscard]] std::span<const contact_geometry> over_face(int face) {
+    size_ = 0;
+    const vector up = a_.normal(face);
+    const Real gap = up.dot(b_.support(-up) - a_.centre()) - a_.offset(face) - rounding_;
+    if (gap <= margin_) by_face({face, gap}, false, std::numeric_limits<Real>::infinity());
     return {found_.data(), size_};
   }
 
@@ -61,6 +72,10 @@ class convex_contact {
       nearest = depth_of<Real>(pair, smallest_);
       const Real gap = nearest.gap - rounding_;
       if (gap > margin_) return;
+      if (face.gap >= gap - tolerance(gap) && by_face(face, by_b, gap)) return;
+    } else if (rounding_ > 0 && face.gap < -level_ * smallest_) {
+      // Rounded shapes that overlap, though their cores do not.
+      const Real gap = nearest.gap - rounding_;
       if (face.gap >= gap - tolerance(gap) && by_face(face, by_b, gap)) return;
     }
     if (a_.smooth() || b_.smooth()) sharpen<Real>(pair, nearest, size());
@@ -146,7 +161,8 @@ class convex_contact {
         wanted + (apart ? Real(0.05) * wanted + Real(1e-4) * smallest_ : tolerance(wanted));
     if (!(patch.lowest() - rounding_ <= std::min(enough, margin_))) return false;
     const vector normal = by_b ? up : vector(-up);
-    patch.for_each(margin_ + rounding_, Real(1e-4) * smallest_, [&](const patch_point<Real>& p) {
+    const Real tolerance = Real(1e-4) * smallest_;
+    patch.for_each(margin_ + rounding_, tolerance, least_corner_, [&](const patch_point<Real>& p) {
       const Real gap = p.height - rounding_;
       const vector point = p.at - (other.rounding() + Real(0.5) * gap) * up;
       emit(normal, point, gap, by_b ? p.incident : p.reference, by_b ? p.reference : p.incident);
@@ -205,6 +221,7 @@ class convex_contact {
   const convex_view<Real>&a_, &b_;
   vec3 origin_;
   Real margin_, rounding_, smallest_;
+  Real least_corner_;  ///< see keep_outline()
   std::array<contact_geometry, most_corners> found_;
   std::size_t size_ = 0;
 };

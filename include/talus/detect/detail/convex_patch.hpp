@@ -23,12 +23,14 @@ struct patch_point {
 };
 
 /// Drops corners of a convex polygon, given in turn, that add nearly nothing to its area, and those
-/// that add least until at most 16 are left, the lowest (within `tolerance`) among them. A load may
+/// that add least until at most 16 are left, the lowest (within `tolerance`) among them. A corner
+/// adds nearly nothing below `part` of the square of the extent of the polygon. A load may
 /// act anywhere in the polygon, so that no smaller choice carries every load. Up to four corners
 /// all stay. Of corners that add the same within small relative differences the first is dropped,
 /// so that the choice is stable while a body rests.
 template <class Real>
-[[nodiscard]] int keep_outline(patch_point<Real>* p, int size, Real tolerance) {
+[[nodiscard]] int keep_outline(patch_point<Real>* p, int size, Real tolerance,
+                               Real part = Real(1e-4)) {
   if (size <= 4) return size;
   patch_point<Real> lowest = p[0];
   Real extent = 0;
@@ -42,7 +44,7 @@ template <class Real>
     return std::abs((p[k].u - a.u) * (b.v - a.v) - (p[k].v - a.v) * (b.u - a.u));
   };
   while (size > 4) {
-    Real limit = Real(1e-4) * extent;
+    Real limit = part * extent;
     if (size > most_corners) {
       Real least = added(0);
       for (int k = 1; k < size; ++k) least = std::min(least, added(k));
@@ -97,14 +99,15 @@ class convex_patch {
     for (int k = 0; k < size_; ++k) least = std::min(least, points_[at(k)].height);
     return least;
   }
-  /// Calls f(patch_point) for the points kept of those not higher than `limit`, at most 16.
+  /// Calls f(patch_point) for the points kept of those not higher than `limit`, at most 16; for
+  /// `part` see keep_outline().
   template <class F>
-  void for_each(Real limit, Real tolerance, F&& f) const {
+  void for_each(Real limit, Real tolerance, Real part, F&& f) const {
     std::array<point, capacity> kept;
     int count = 0;
     for (int k = 0; k < size_; ++k)
       if (points_[at(k)].height <= limit) kept[at(count++)] = points_[at(k)];
-    count = keep_outline(kept.data(), count, tolerance);
+    count = keep_outline(kept.data(), count, tolerance, part);
     for (int k = 0; k < count; ++k) f(kept[at(k)]);
   }
 

@@ -75,9 +75,16 @@ class level_patches {
     for (std::size_t k = 0; k < p.size; ++k) p.points[k].reference = static_cast<part_code>(k);
     std::array<point, capacity> sorted;
     const auto end = std::copy_n(p.points.begin(), p.size, sorted.begin());
-    std::sort(sorted.begin(), end, [](const point& a, const point& b) {
-      return a.u != b.u ? a.u < b.u : a.v != b.v ? a.v < b.v : a.reference < b.reference;
-    });
+    const auto sort = [&] {
+      std::sort(sorted.begin(), end, [](const point& a, const point& b) {
+        return a.u != b.u ? a.u < b.u : a.v != b.v ? a.v < b.v : a.reference < b.reference;
+      });
+    };
+    sort();
+    // Points on a line of constant u follow each other along it, although round-off parts them.
+    for (auto from = sorted.begin(), k = from; k != end; ++k)
+      k->u - from->u <= near_ ? void(k->u = from->u) : void(from = k);
+    sort();
     std::array<point, 2 * capacity> hull;
     std::size_t size = 0;
     const auto turn = [&](auto from, auto to, std::size_t least) {

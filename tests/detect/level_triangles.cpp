@@ -1,0 +1,177 @@
+// A plane may be divided into triangles in any way, thin ones among them, and its corners may have
+// round-off: the contacts of a body on it are those on the plane.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <talus/detect/narrow.hpp>
+#include <talus/mesh.hpp>
+#include <vector>
+
+using namespace talus;
+
+namespace {
+
+using triangle = triangle_mesh::triangle;
+using numbers = std::mt19937;
+
+real draw(numbers& g, real low, real high) {
+  return std::uniform_real_distribution<real>(low, high)(g);
+}
+/// Places from -2 to 2, some of them beside each other.
+std::vector<real> cuts(numbers& g, real least) {
+  std::vector<real> all{-2, 2};
+  for (int k = static_cast<int>(draw(g, 3, 20)); k > 0; --k) {
+    all.push_back(draw(g, -2, 2));
+    if (draw(g, 0, 1) < 0.4)
+      all.push_back(std::min(real(2), all.back() + 0.1 * std::pow(least, draw(g, 0, 1))));
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+/// A square of side 4, divided at random, with corners up to `rough` away from the plane.
+triangle_mesh divided_square(numbers& g, real rough, surface_report* report = nullptr) {
+  const std::vector<real> x = cuts(g, 1e-4), y = cuts(g, 1e-4);
+  std::vector<vec3> at;
+  for (const real u : x)
+    for (const real v : y) at.push_back({u, v, draw(g, -rough, rough)});
+  std::vector<triangle> all;
+  for (std::size_t i = 0; i + 1 < x.size(); ++i)
+    for (std::size_t j = 0; j + 1 < y.size(); ++j) {
+      const std::size_t n = y.size();
+      const vec3 &a = at[i * n + j], &b = at[(i + 1) * n + j], &c = at[(i + 1) * n + j + 1],
+                 &d = at[i * n + j + 1];
+      if (draw(g, 0, 1) < 0.5)
+        all.push_back({a, b, c}), all.push_back({a, c, d});
+      else
+        all.push_back({a, b, d}), all.push_back({b, c, d});
+    }
+  return triangle_mesh(all, report);
+}
+
+struct found {
+  std::size_t count = 0;
+  real overlaps = 0;
+  vec3 moment{0, 0, 0};  ///< sum of overlaps times places
+};
+template <class A, class B>
+found contacts(const A& a, const pose& pa, const B& b, const pose& pb) {
+  found all;
+  collide_pair(a, pa, b, pb, 0, [&](const contact_geometry& c) {
+    CHECK((c.normal - vec3(0, 0, -1)).norm() < 1e-6);
+    ++all.count, all.overlaps -= c.gap, all.moment -= c.gap * c.point;
+  });
+  return all;
+}
+/// A prism of n sides around the axis z.
+convex_polyhedron prism(int n, real radius, real height) {
+  std::vector<vec3> corners;
+  for (int k = 0; k < n; ++k) {
+    const real turn = 2 * std::numbers::pi * k / n;
+    for (const real z : {-0.5, 0.5})
+      corners.push_back({radius * std::cos(turn), radius * std::sin(turn), z * height});
+  }
+  return convex_polyhedron(corners);
+}
+
+/// `stands`: from the centre to what is lowest.
+template <class Shape>
+void compare(const Shape& shape, real stands, const quat& lying, const triangle_mesh& surface,
+             const vec3& place, real turn) {
+  CAPTURE(Shape::name);
+  constexpr real overlap = 1e-3;
+  const pose at{place + vec3(0, 0, stands - overlap), rotation({0, 0, 1}, turn) * lying};
+  const found on_plane = contacts(plane{}, pose{}, shape, at);
+  const found on_triangles = contacts(surface, placed(surface, pose{}), shape, at);
+  CHECK(on_triangles.count == on_plane.count);
+  CHECK(on_triangles.overlaps == doctest::Approx(on_plane.overlaps).epsilon(2e-3));
+  CHECK((on_triangles.moment - on_plane.moment).norm() < 2e-3 * on_plane.overlaps);
+}
+
+}  // namespace
+
+TEST_CASE("contacts on a plane are those of one face, however it is divided and rounded") {
+  const quat upright(1, 0, 0, 0), lying = rotation({0, 1, 0}, std::numbers::pi / 2);
+  for (const real rough : {0., 1e-7, 1e-6})
+    for (unsigned seed = 0; seed < 60; ++seed) {
+      numbers g(seed);
+      CAPTURE(rough);
+      CAPTURE(seed);
+      const triangle_mesh surface = divided_square(g, rough);
+      const vec3 place(draw(g, -0.6, 0.6), draw(g, -0.6, 0.6), 0);
+      const real turn = seed % 5 == 0 ? 0 : draw(g, 0, 6);
+      compare(box{{0.8, 0.5, 0.6}}, 0.3, upright, surface, place, turn);
+      compare(prism(8, 0.4, 0.6), 0.3, upright, surface, place, turn);
+      compare(prism(3, 0.4, 0.6), 0.3, upright, surface, place, turn);
+      compare(cylinder{0.4, 0.6}, 0.3, upright, surface, place, turn);
+      compare(cylinder{0.3, 0.8}, 0.3, lying, surface, place, turn);
+      compare(capsule{0.2, 0.8}, 0.2, lying, surface, place, turn);
+    }
+}
+
+TEST_CASE("corners that round-off moves out of their planes are moved back, those at edges too") {
+  // A step: two levels and the wall between them, in strips, with the round-off of single
+  // precision far from the origin.
+  numbers g(7);
+  const auto in_single = [](const vec3& p) {
+    return vec3(static_cast<float>(p[0] + 3), static_cast<float>(p[1] + 3),
+                static_cast<float>(p[2] + 3));
+  };
+  std::vector<triangle> all;
+  const auto strip = [&](const vec3& from, const vec3& along, const vec3& across) {
+    real last = 0;
+    const quat tilt = rotation(vec3(1, 2, 3).normalized(), 0.7);
+    for (int k = 0; k < 40; ++k) {
+      const real next = k == 39 ? 1 : last + (1 - last) * draw(g, 0, 0.1);
+      const auto at = [&](real x, real y) {
+        return in_single(rotated(tilt, vec3(from + x * along + y * across)));
+      };
+      all.push_back({at(last, 0), at(next, 0), at(next, 1)});
+      all.push_back({at(last, 0), at(next, 1), at(last, 1)});
+      last = next;
+    }
+  };
+  strip({-1, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  strip({0, 0, 0}, {0, 0, 0.5}, {0, 1, 0});
+  strip({0, 0, 0.5}, {1, 0, 0}, {0, 1, 0});
+  surface_report report;
+  const triangle_mesh m(all, &report);
+  CHECK(report.levelled > 100);
+  CHECK(report.text().find("corners moved into the plane around them") != std::string::npos);
+  // Normals are those of two directions to 1e-6, though the thinnest triangles would be tilted
+  // more.
+  const detail::triangle_tree& tree = m.tree();
+  const vec3 level = tree.normals[0];
+  vec3 wall = level;
+  for (const vec3& n : tree.normals)
+    if (std::abs(n.dot(level)) < 0.5) wall = n;
+  real worst = 0;
+  for (const vec3& n : tree.normals) {
+    const vec3& of = std::abs(n.dot(level)) > 0.5 ? level : wall;
+    worst = std::max(worst, std::min((n - of).norm(), (n + of).norm()));
+  }
+  CHECK(std::abs(level.dot(wall)) < 1e-6);
+  CHECK(worst < 1e-6);
+}
+
+TEST_CASE("flat surfaces without round-off and curved ones are left as they are") {
+  numbers g(3);
+  surface_report report;
+  const triangle_mesh flat = divided_square(g, 0, &report);
+  CHECK(report.levelled == 0);
+  for (const vec3& n : flat.tree().normals) CHECK(std::abs(n[2]) == 1);
+  std::vector<triangle> all;
+  constexpr int parts = 64;  // around a cylinder
+  for (int k = 0; k < parts; ++k) {
+    const auto at = [](int step, real z) {
+      const real turn = 2 * std::numbers::pi * step / parts;
+      return vec3(std::cos(turn), std::sin(turn), z);
+    };
+    all.push_back({at(k, 0), at(k + 1, 0), at(k + 1, 1)});
+    all.push_back({at(k, 0), at(k + 1, 1), at(k, 1)});
+  }
+  (void)triangle_mesh(all, &report);
+  CHECK(report.levelled == 0);
+}
