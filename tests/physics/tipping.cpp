@@ -173,6 +173,33 @@ TEST_CASE("stacks of them do, and boxes with their centre over a cylinder or a b
     for (const real part : {0.6, 0.95})
       for (const real turn : {0.1963, pi / 4}) check_stacked<scene<>>({below, part, turn});
 }
+TEST_CASE("towers of cylinders on a slope stand still from the first step on") {
+  for (const int rows : {3, 5, 9, 12})
+    for (const real part : {0.6, 0.95}) {
+      constexpr real r = 0.5, h = 0.4;
+      const real slope = part * std::atan(2 * r / (rows * h));
+      const quat q = rotation({0, 1, 0}, slope);
+      serial::link link;
+      world<scene<>> w{link};
+      w.material({.density = 1, .restitution = 0, .friction = 3});
+      w.gravity({0, 0, -g});
+      put_ground(w, ground::plane, slope, r);
+      std::vector<vec3> start;
+      for (int k = 0; k < rows; ++k) {
+        start.push_back(rotated(q, vec3(0, 0, (k + 0.5) * h)));
+        w.add(body{.shape = cylinder{r, h}, .position = start.back(), .orientation = q});
+      }
+      real way = 0;
+      for (int step = 0; step < 1200; ++step) {
+        w.step(1.0 / 240);
+        std::size_t i = 0;
+        w.for_each_local(
+            [&](const auto& b) { way = std::max(way, (b.position() - start[i++]).norm() / r); });
+      }
+      INFO(rows, " cylinders, ", part, " of the tipping angle");
+      CHECK(way < 5e-6);
+    }
+}
 TEST_CASE("they do whatever their size and the time step, and with the reproducible solver") {
   for (const real part : {0.7, 0.95}) {
     check_alone<scene<>>({.part = part, .turn = 0.4, .size = 0.02, .dt = 1.0 / 1000});

@@ -215,7 +215,7 @@ class stalled_islands {
       return true;
     }
     one.rows = rows;
-    if (contacts.size() > island::small && !one.is_cluster() && !one.is_long) return false;
+    if (!one.is_small() && !one.is_cluster() && !one.is_long) return false;
     if (left < body_newton::per_contact * static_cast<real>(contacts.size())) return false;
     contact_vector r;
     const body_problem problem(contacts, alone.state, r);

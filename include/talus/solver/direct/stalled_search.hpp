@@ -20,9 +20,10 @@ namespace talus::detail {
 /// An island, or a cluster of one.
 struct stalled_island {
   static constexpr std::uint32_t none = overloaded_clusters::none;
-  /// Contacts of islands that are solved in each step in which they stall. Of larger ones only long
-  /// ones and the clusters of heavy bodies on light ones are, unless the island rests.
-  static constexpr std::size_t small = 64;
+  /// Contacts, or bodies, of islands that are solved in each step in which they stall. Of larger
+  /// ones only long ones and the clusters of heavy bodies on light ones are, unless the island
+  /// rests. A cylinder on a face has sixteen contacts.
+  static constexpr std::size_t small = 64, few_bodies = 10;
   /// Larger islands are not solved as a whole, unless their bodies can rest on each other: sweeps
   /// work well, as in a pile.
   static constexpr std::size_t many = 1000;
@@ -52,6 +53,7 @@ struct stalled_island {
   }
   [[nodiscard]] real error() const { return change * error_per_change(); }
   [[nodiscard]] bool is_cluster() const { return within != none; }
+  [[nodiscard]] bool is_small() const { return size <= small || bodies <= few_bodies; }
   [[nodiscard]] bool sweeps_do() const { return size > many && !is_cluster(); }
   /// Whether it is so long and narrow that sweeps fail, with so many contacts in a row: its
   /// solution costs less than they.
@@ -215,7 +217,7 @@ class stalled_search {
           const std::uint32_t of = clusters_.of(end);
           if (of == none) continue;
           const std::uint32_t within = island_of_[n] - 1;
-          islands_[within].overloaded |= islands_[within].size <= island::small;
+          islands_[within].overloaded |= islands_[within].is_small();
           if (islands_[within].overloaded) continue;  // is solved as a whole
           std::uint32_t& number = cluster_number_[of];
           if (number == none) {
