@@ -162,6 +162,32 @@ TEST_CASE("sums of monitors go on after a restart on another number of ranks") {
   CHECK(work_at_end(text_of(files.file("_b.csv"))) == doctest::Approx(whole).epsilon(1e-2));
 }
 
+TEST_CASE("a table in the units of the program goes on, that of another run with a warning") {
+  const scratch files;
+  const auto go = [&](const char* seed, const char* table, std::vector<std::string> more) {
+    std::vector<std::string> words{"--ranks",         "2",    "--seed", seed,          "--csv",
+                                   files.file(table), "--dt", "0.004",  "--csv-every", "5"};
+    words.insert(words.end(), more.begin(), more.end());
+    return program<heap>(files, words, [&](auto& world, const auto& options) {
+      world.units({.length = "m", .mass = "kg", .time = "s"});
+      add_heap(world);
+      world.simulate({.steps = options.steps, .dt = options.dt});
+    });
+  };
+  const std::string saved = files.file("_a.h5");
+  REQUIRE(go("1", "_a.csv", {"--steps", "40", "--checkpoint", saved, "--quiet", "--force"}).code ==
+          0);
+  REQUIRE(go("2", "_b.csv", {"--steps", "40", "--quiet", "--force"}).code == 0);
+  const ended right = go("1", "_a.csv", {"--steps", "60", "--restart", saved});
+  CHECK(right.code == 0);
+  CHECK(!has(right.said, "another run"));
+  CHECK(has(text_of(files.file("_a.csv")), "kinetic_energy [kg m^2/s^2]"));
+  CHECK(has(text_of(files.file("_a.csv")), "\n60,"));
+  const ended wrong = go("1", "_b.csv", {"--steps", "60", "--restart", saved});
+  CHECK(wrong.code == 0);
+  CHECK(has(wrong.said, "is it the table of another run?"));
+}
+
 TEST_CASE("stop() by one rank, and conditions, end simulate() on all ranks after the same step") {
   for (const int ranks : {1, 4}) {
     CAPTURE(ranks);

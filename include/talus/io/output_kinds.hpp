@@ -37,7 +37,7 @@ inline constexpr output_kind results_output{
               head.find("\"policies\":") != head.npos);
     }};
 inline constexpr output_kind table_output{"a time series of talus", [](std::string_view head) {
-                                            return head.starts_with("step [1],time [T],");
+                                            return head.starts_with("step [1],time [");
                                           }};
 inline constexpr output_kind view_output{"a page of talus", [](std::string_view head) {
                                            return head.find("<!-- talus view 1") != head.npos;

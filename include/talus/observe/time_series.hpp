@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
@@ -65,10 +66,14 @@ class time_series {
   time_series& operator=(const time_series&) = delete;
   ~time_series();
 
-  /// Collective: the line of the initial state of the run, if there is none yet.
+  /// Collective: the line of the initial state of the run, if there is none yet. If a restart goes
+  /// on with a line of this state that another state has written, returns a sentence on rank 0.
   template <class Scenario>
-  [[gnu::cold]] void begin(world<Scenario>& w) {
+  [[nodiscard, gnu::cold]] std::string begin(world<Scenario>& w) {
     if (!sampled_) sample(w);
+    if (name_.empty() || !std::exchange(goes_on_, false) || last_ != w.steps()) return "";
+    const motion m = measure_motion(w);
+    return speaks_ ? doubt({m.kinetic_energy, m.potential_energy}) : "";
   }
   /// Collective: adds a line for the present state, unless the last line is of the same step.
   template <class Scenario>
@@ -90,6 +95,8 @@ class time_series {
  private:
   using records = std::vector<detail::recorded_value>;
 
+  /// Whether the last line has other energies: then another run has written it.
+  [[nodiscard, gnu::cold]] std::string doubt(const std::array<double, 2>& energies) const;
   [[noreturn, gnu::cold]] void fail_to_write(const std::string& why) const;
   [[gnu::cold]] void put(const std::string& text) const;
   /// Rewrites the lines for which keep(line, is the first) is true, as changed by it.
@@ -129,6 +136,8 @@ class time_series {
   std::string behind_;    ///< commas of the columns for which this run has no value yet
   std::string head_;      ///< the first line; empty: there is none yet
   bool sampled_ = false;
+  bool goes_on_ = false;   ///< with lines of an earlier run, which begin() has not compared yet
+  std::string last_line_;  ///< of those
   std::uint64_t last_ = ~std::uint64_t{0};  ///< step of the last line
 };
 

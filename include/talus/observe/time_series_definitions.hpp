@@ -34,13 +34,37 @@ TALUS_INLINE void time_series::go_on_from(std::uint64_t step, std::uint64_t ever
   if (name_.empty()) return;
   sampled_ = true;  // by the earlier run
   if (step % every == 0) last_ = step;
+  goes_on_ = true;
   if (!speaks_ || detail::is_stream(name_)) return;
   rewrite([&](std::string& line, bool head) {
     if (head) return head_ = line, true;
     char* end = nullptr;
     const unsigned long long of = std::strtoull(line.c_str(), &end, 10);
-    return end != line.c_str() && of <= step && of % every == 0;
+    const bool kept = end != line.c_str() && of <= step && of % every == 0;
+    if (kept) last_line_ = line;
+    return kept;
   });
+}
+
+TALUS_INLINE std::string time_series::doubt(const std::array<double, 2>& energies) const {
+  // The energies are the columns 4 and 5, after the step, the time and two counts.
+  std::size_t at = 0;
+  for (int column = 0; column < 4 && at != std::string::npos; ++column)
+    at = last_line_.find(',', at == 0 ? 0 : at + 1);
+  const char* from = at == std::string::npos ? nullptr : last_line_.c_str() + at + 1;
+  const auto size = std::abs(energies[0]) + std::abs(energies[1]);
+  for (const double energy : energies) {
+    char* end = nullptr;
+    const double written = from == nullptr ? energy : std::strtod(from, &end);
+    if (from == nullptr || end == from) return "";
+    if (!(std::abs(written - energy) <= 1e-9 * size))
+      return detail::compose(
+          "the table {} has the energy {} at this step, and the state of the checkpoint has {}: is "
+          "it the table of another run?",
+          name_, written, energy);
+    from = *end == ',' ? end + 1 : nullptr;
+  }
+  return "";
 }
 
 TALUS_INLINE void time_series::fail_to_write(const std::string& why) const {

@@ -94,6 +94,12 @@ template <class Scenario>
   if (w.rank() == 0 && !words.empty()) log.say(compose("{}: warning: {}\n", name, words), quiet);
 }
 
+/// Says what `words` says of the table of --csv, on standard error.
+[[gnu::cold]] inline void mention_table(run_log& log, const std::string& name,
+                                        const std::string& words, bool quiet) {
+  if (!words.empty()) log.say(compose("{}: warning: {}\n", name, words), quiet);
+}
+
 /// Says that the time step is not stable for soft contacts, on standard error. Collective.
 template <class Scenario>
 [[gnu::cold]] void mention_step(run_log& log, const std::string& name, world<Scenario>& w,
@@ -228,7 +234,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
       return;
     }
     require_pictures(w, options);
-    table.begin(w);
+    mention_table(log, name, table.begin(w), quiet);
     configuration.write();
     until.begin(w, log);
     if (silent) return;
