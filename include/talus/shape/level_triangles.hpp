@@ -112,14 +112,47 @@ class triangle_leveller {
       p = fitted(members, p.normal);
     }
     for (const std::uint32_t t : members) region_[t] = none;
-    const auto number = static_cast<std::uint32_t>(planes_.size());
-    real deviation = 0;
-    for (const std::uint32_t t : last)
-      region_[t] = number, deviation = std::max(deviation, largest_height(p, t));
-    p.rough = last.size() > 1 && deviation > exact_ && deviation <= 2 * near_;
+    for (const std::uint32_t t : last) region_[t] = static_cast<std::uint32_t>(planes_.size());
+    p.rough = last.size() > 1 && is_rough(p, last);
     rough_ = rough_ || p.rough;
     planes_.push_back(p);
     sizes_.push_back(last.size());
+  }
+  /// Whether corners deviate from the plane by round-off, not by the form of the surface: they tilt
+  /// single triangles by far more than a surface that bends by as much over the width of the
+  /// region, and each in another direction than the triangles beside it.
+  [[nodiscard]] bool is_rough(const plane& p, const plain_vector<std::uint32_t>& members) const {
+    constexpr real far_more = 16;  // a parabola: 4
+    const vec3& origin = corner(members[0], 0);
+    const auto normal_of = [&](std::uint32_t t) {
+      const vec3 n = twice_area(t).normalized();
+      return n.dot(p.normal) < 0 ? vec3(-n) : n;
+    };
+    real deviation = 0, tilt = 0, length = 0, tilts = 0, turns = 0;
+    vec3 along(0, 0, 0);
+    for (const std::uint32_t t : members) {
+      deviation = std::max(deviation, largest_height(p, t));
+      const vec3 normal = normal_of(t);
+      vec3 beside(0, 0, 0);
+      for (std::uint32_t side = 3 * t; side < 3 * t + 3; ++side)
+        for (std::uint32_t other = next_[side]; other != side; other = next_[other])
+          if (region_[other / 3] == region_[t]) beside += normal_of(other / 3);
+      const real own = (normal - p.normal).norm();
+      tilt = std::max(tilt, own), tilts += own;
+      turns += (normal - beside.normalized()).norm();
+      for (std::size_t k = 0; k < 3; ++k)
+        if (const vec3 way = corner(t, k) - origin; way.norm() > length)
+          length = way.norm(), along = way;
+    }
+    if (!(deviation > exact_ && deviation <= 2 * near_)) return false;
+    const vec3 across = p.normal.cross(along).normalized();
+    real low = 0, high = 0;
+    for (const std::uint32_t t : members)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const real at = across.dot(corner(t, k) - origin);
+        low = std::min(low, at), high = std::max(high, at);
+      }
+    return tilt * (high - low) > far_more * deviation && turns > real(0.5) * tilts;
   }
   /// Moves each corner of a rough plane into all planes that meet there, or leaves it where these
   /// are almost parallel.
@@ -129,7 +162,7 @@ class triangle_leveller {
       if (sizes_[region_[t]] > 1)
         for (const std::uint32_t v : faces_[t]) meeting.push_back({v, region_[t]});
     sort_values(meeting);
-    std::size_t moved = 0;
+    const plain_vector<vec3> given = points_;
     for (std::size_t first = 0, last = 0; first < meeting.size(); first = last) {
       while (last < meeting.size() && meeting[last].first == meeting[first].first) ++last;
       bool rough = false;
@@ -146,9 +179,32 @@ class triangle_leveller {
         }
         if ((p - before).norm() <= exact_) break;
       }
-      if ((p - at).norm() <= 4 * near_) at = p, ++moved;
+      if ((p - at).norm() <= 2 * near_) at = p;
     }
+    while (put_back(given)) {
+    }
+    std::size_t moved = 0;
+    for (std::size_t v = 0; v < points_.size(); ++v) moved += points_[v] != given[v];
     return moved;
+  }
+  /// Puts the corners of triangles back that would turn or collapse. Returns whether there were
+  /// any.
+  bool put_back(const plain_vector<vec3>& given) {
+    bool any = false;
+    for (std::uint32_t t = 0; t < faces_.size(); ++t) {
+      const corners& f = faces_[t];
+      if (points_[f[0]] == given[f[0]] && points_[f[1]] == given[f[1]] &&
+          points_[f[2]] == given[f[2]])
+        continue;
+      const vec3 now = twice_area(t);
+      const vec3 before = triangle_tree::twice_area(given[f[0]], given[f[1]], given[f[2]]);
+      const real least = planes_[region_[t]].rough ? real(0.9) : real(0.995);
+      if (now.dot(before) > least * now.norm() * before.norm() &&
+          now.norm() > real(0.5) * before.norm())
+        continue;
+      for (const std::uint32_t v : f) any = any || points_[v] != given[v], points_[v] = given[v];
+    }
+    return any;
   }
 
   plain_vector<vec3>& points_;
