@@ -41,6 +41,15 @@ class convex_contact {
     search(climb);
     return {found_.data(), size_};
   }
+  /// The points over that face of a, along its normal: for a face that other faces continue, where
+  /// a direction beside the normal is slightly nearer and belongs to none of them.
+  [[nodiscard]] std::span<const contact_geometry> over_face(int face) {
+    size_ = 0;
+    const vector up = a_.normal(face);
+    const Real gap = up.dot(b_.support(-up) - a_.centre()) - a_.offset(face) - rounding_;
+    if (gap <= margin_) by_face({face, gap}, false, std::numeric_limits<Real>::infinity());
+    return {found_.data(), size_};
+  }
 
  private:
   static constexpr Real level_ = Real(0.005);

@@ -4,10 +4,12 @@
 // it belongs to this triangle but not to the surface, and must have no effect on a sliding body
 // (internal edges; van den Bergen 2003, Collision Detection in Interactive 3D Environments, 6.3:
 // normals outside the Voronoi region of their feature make no contacts).
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -75,6 +77,27 @@ void each_other_at(const triangle_tree& m, std::uint32_t t, const vec3& q, F&& f
   return covered;
 }
 
+[[nodiscard]] inline bool in_one_plane(const triangle_tree& m, std::uint32_t t,
+                                       std::uint32_t other) {
+  return m.normals[t].cross(m.normals[other]).norm() <= level_enough &&
+         std::abs(m.normals[t].dot(m.corner(other, 0) - m.corner(t, 0))) <=
+             level_enough * m.bounding_radius;
+}
+/// The distance of the point q from the nearest of those edges of triangle t over which the surface
+/// does not go on in the same plane.
+[[nodiscard]] inline real distance_to_bend(const triangle_tree& m, std::uint32_t t, const vec3& q) {
+  real least = std::numeric_limits<real>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t beyond = m.neighbours[t][k];
+    if (beyond != triangle_tree::none && in_one_plane(m, t, beyond)) continue;
+    const vec3 &a = m.corner(t, k), &b = m.corner(t, (k + 1) % 3);
+    const vec3 along = b - a;
+    const real part = std::clamp(along.dot(q - a) / along.squaredNorm(), real(0), real(1));
+    least = std::min(least, (q - a - part * along).norm());
+  }
+  return least;
+}
+
 /// The triangles near a body.
 class triangles_near {
  public:
@@ -85,6 +108,32 @@ class triangles_near {
   template <class F>
   void each(F&& f) const {
     for (std::size_t k = 0; k < size_; ++k) f(k < few_.size() ? few_[k] : more_[k - few_.size()]);
+  }
+  /// Whether the triangles in the plane of triangle t have at least this area together. The first
+  /// planes that are asked for are remembered; where there are more, the surface is curved, and
+  /// others count as narrow.
+  [[nodiscard]] bool is_wide(const triangle_tree& m, std::uint32_t t, real area) {
+    for (std::size_t k = 0; k < planes_; ++k)
+      if (in_one_plane(m, plane_of_[k], t)) return wide_[k];
+    if (planes_ == plane_of_.size()) return false;
+    real sum = 0;
+    each([&](std::uint32_t other) {
+      if (in_one_plane(m, t, other))
+        sum += real(0.5) *
+               triangle_tree::twice_area(m.corner(other, 0), m.corner(other, 1), m.corner(other, 2))
+                   .norm();
+    });
+    plane_of_[planes_] = t;
+    return wide_[planes_++] = sum >= area;
+  }
+  /// distance_to_bend() of the plane of triangle t, as far as its triangles are near.
+  [[nodiscard]] real distance_to_bend(const triangle_tree& m, std::uint32_t t,
+                                      const vec3& q) const {
+    real least = std::numeric_limits<real>::infinity();
+    each([&](std::uint32_t other) {
+      if (in_one_plane(m, t, other)) least = std::min(least, detail::distance_to_bend(m, other, q));
+    });
+    return least;
   }
   /// Whether the way of this length from the point q of triangle t, in the direction (unit), leads
   /// through another triangle that has all of t behind it: as from a side of a closed surface
@@ -115,6 +164,9 @@ class triangles_near {
   std::array<std::uint32_t, 64> few_;  ///< the first of them
   plain_vector<std::uint32_t> more_;
   std::size_t size_ = 0;
+  std::array<std::uint32_t, 8> plane_of_;  ///< a triangle of each plane
+  std::array<bool, 8> wide_;
+  std::size_t planes_ = 0;
 };
 
 /// Whether this point is the furthest of the surrounding surface in the direction (unit).

@@ -131,6 +131,16 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
                                            pose{vec3(0, 0, 0), pa.orientation}),
         view_b(form, pose{pb.position - middle, pb.orientation});
     detail::convex_contact<real> contact(view_a, view_b, middle, margin, true);
+    const auto is_covered = [&](const detail::triangle_point& p, const vec3& direction) {
+      return (p.edge >= 0 || p.corner >= 0) && !detail::nearest_of_surface(m, t, p, direction) &&
+             detail::is_covered(m, t, p.at, direction, there.position);
+    };
+    const auto add_level = [&](const contact_geometry& c, const vec3& side) {
+      const contact_geometry one{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)};
+      const real height = side.dot(m.corner(t, 0) - there.position);
+      if (!level.add(one, rotated(pa.orientation, side), height)) sink(one);
+    };
+    int tilted = 0;  // the side from which the body leans on the triangle
     for (const contact_geometry& c : contact.find()) {
       const vec3 up = rotated(back.orientation, -c.normal);  // from the surface to the body
       const real straight = m.normals[t].dot(up);
@@ -138,19 +148,13 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
       const auto q = detail::place_on_triangle(m, t, at, real(1e-6) * size);
       if (near.hide(m, t, q.at, up, c.gap, real(1e-6) * size)) continue;
       const bool inside = q.edge < 0 && q.corner < 0;
-      const auto is_covered = [&](const detail::triangle_point& p, const vec3& direction) {
-        return (p.edge >= 0 || p.corner >= 0) && !detail::nearest_of_surface(m, t, p, direction) &&
-               detail::is_covered(m, t, p.at, direction, there.position);
-      };
       if (std::abs(straight) > 1 - real(1e-8)) {
-        if (is_covered(q, up)) continue;
-        const contact_geometry one{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)};
-        const vec3 side = straight < 0 ? vec3(-m.normals[t]) : m.normals[t];
-        const real height = side.dot(m.corner(t, 0) - there.position);
-        if (!level.add(one, rotated(pa.orientation, side), height)) sink(one);
+        if (!is_covered(q, up)) add_level(c, straight < 0 ? vec3(-m.normals[t]) : m.normals[t]);
       } else if (!inside && detail::nearest_of_surface(m, t, q, up)) {
         if (felt.add(q.at))
           sink(contact_geometry{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)});
+      } else if (std::abs(straight) > real(0.7) && near.is_wide(m, t, real(0.05) * size * size)) {
+        tilted = straight < 0 ? -1 : 1;
       } else {
         // The direction does not belong to the surface. Use the lowest point of the body, if it is
         // over this triangle.
@@ -162,12 +166,23 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
         const vec3 below = back.to_world(middle + lowest);
         const auto foot =
             detail::nearest_on_triangle(below, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2));
+        // Unless the body leaves it sooner over an edge, as the upper one of a wall that reaches a
+        // little into a body above it.
         if (gap <= margin && foot.edge < 0 && foot.corner < 0 &&
+            (gap >= 0 || -gap <= 4 * near.distance_to_bend(m, t, foot.at)) &&
             !is_covered(detail::place_on_triangle(m, t, foot.at, real(1e-6) * size), side) &&
             felt.add(foot.at))
           sink(contact_geometry{-above, middle + lowest - real(0.5) * gap * above, gap,
                                 detail::feature_of(t, 0xf)});
       }
+    }
+    if (tilted == 0) return;
+    const vec3 side = real(tilted) * m.normals[t];
+    for (const contact_geometry& c : contact.over_face(tilted < 0 ? 1 : 0)) {
+      const vec3 at = back.to_world(c.point) - real(0.5) * c.gap * side;
+      const auto q = detail::place_on_triangle(m, t, at, real(1e-6) * size);
+      if (!near.hide(m, t, q.at, side, c.gap, real(1e-6) * size) && !is_covered(q, side))
+        add_level(c, side);
     }
   });
   level.each(sink);
