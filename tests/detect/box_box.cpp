@@ -44,7 +44,7 @@ real smallest_gap(const contacts& all) {
   for (const contact_geometry& c : all) gap = std::min(gap, c.gap);
   return gap;
 }
-std::set<std::uint32_t> features(const contacts& all) {
+std::set<std::uint32_t> feature_ids(const contacts& all) {
   std::set<std::uint32_t> names;
   for (const contact_geometry& c : all) names.insert(c.feature);
   return names;
@@ -92,7 +92,7 @@ real smallest_half(const posed& a, const posed& b) {
 // Properties of every answer.
 void check_sound(const posed& a, const posed& b, const contacts& found, real margin) {
   CHECK(found.size() <= 8);
-  CHECK(features(found).size() == found.size());
+  CHECK(feature_ids(found).size() == found.size());
   const real largest = std::max(a.shape.half().maxCoeff(), b.shape.half().maxCoeff());
   for (std::size_t k = 0; k < found.size(); ++k) {
     const contact_geometry& c = found[k];
@@ -312,7 +312,8 @@ TEST_CASE("gaps grow by h when a moves by h along the normal; moving both change
         find({a.shape, {by.to_world(a.at.position), by.orientation * a.at.orientation}},
              {b.shape, {by.to_world(b.at.position), by.orientation * b.at.orientation}}, margin);
     REQUIRE(again.size() == found.size());
-    if (features(after) != features(found) || features(moved) != features(found)) continue;
+    if (feature_ids(after) != feature_ids(found) || feature_ids(moved) != feature_ids(found))
+      continue;
     ++same;
     for (std::size_t k = 0; k < found.size(); ++k) {
       CHECK(again[k].point == found[k].point);
@@ -360,7 +361,7 @@ TEST_CASE("a resting box keeps its normal and its features while it trembles") {
         above.at.position += random.point(1e-4);
         above.at.orientation = rotation(random.direction(), random(0, 1e-4)) * above.at.orientation;
         const contacts now = swap ? find(above, scene.below, 0.02) : find(scene.below, above, 0.02);
-        CHECK(features(now) == features(still));
+        CHECK(feature_ids(now) == feature_ids(still));
         CHECK((now.at(0).normal - still[0].normal).norm() < 2e-4);
       }
     }
@@ -371,7 +372,7 @@ TEST_CASE(
   const posed below = unit_box({0, 0, 0});
   for (const bool swap : {false, true}) {
     const auto names = [&](const posed& above) {
-      return features(swap ? find(above, below, 0.02) : find(below, above, 0.02));
+      return feature_ids(swap ? find(above, below, 0.02) : find(below, above, 0.02));
     };
     const auto still = names(unit_box({0, 0, 1}));
     CHECK(still.size() == 4);
@@ -395,7 +396,7 @@ TEST_CASE("no point of a meeting is named twice, parallel edges and coincident c
       const vec3 at = rounded(random.point(6)) / 4;
       const contacts c = find(unit_box({0, 0, 0}, rotation({0, 0, 1}, quarter())),
                               unit_box(at, turn * rotation({0, 0, 1}, quarter())), 0.05);
-      CHECK(features(c).size() == c.size());
+      CHECK(feature_ids(c).size() == c.size());
     }
   }
 }

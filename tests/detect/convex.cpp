@@ -15,7 +15,7 @@ namespace {
 void check_sound(const solid& a, const solid& b, const contacts& found, real margin) {
   const real smallest = std::min(a.smallest(), b.smallest());
   CHECK(found.size() <= detail::most_corners);
-  CHECK(features(found).size() == found.size());
+  CHECK(feature_ids(found).size() == found.size());
   if (found.empty()) return;
   for (const contact_geometry& c : found) {
     REQUIRE(detail::finite(c.normal));

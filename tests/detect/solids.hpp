@@ -90,7 +90,7 @@ inline const contact_geometry& deepest(const contacts& all) {
   return *std::min_element(all.begin(), all.end(),
                            [](const auto& x, const auto& y) { return x.gap < y.gap; });
 }
-inline std::set<std::uint64_t> features(const contacts& all) {
+inline std::set<std::uint64_t> feature_ids(const contacts& all) {
   std::set<std::uint64_t> names;
   for (const contact_geometry& c : all) names.insert(c.feature);
   return names;
