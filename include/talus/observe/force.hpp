@@ -70,7 +70,8 @@ struct load_about_point {
 /// above it. Every rank names the same body, which may be global or live on any rank. Zero before
 /// the first step.
 template <class Scenario, class Shape>
-[[nodiscard]] vec3 contact_force(world<Scenario>& w, handle<Shape> h) {
+[[nodiscard]] vec3 contact_force(world<Scenario>& w,
+                                 handle<Shape> h) requires(detail::takes_shape<Scenario, Shape>) {
   w.require_all_ranks("contact_force");
   auto& s = detail::state_of(w);
   if constexpr (Scenario::contact_law::soft) {
@@ -87,12 +88,18 @@ template <class Scenario, class Shape>
   }
 }
 
+/// Refuses a shape that the scenario does not name.
+template <class Scenario, class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+vec3 contact_force(world<Scenario>&,
+                   handle<Shape>) requires(!detail::takes_shape<Scenario, Shape>) = delete;
+
 /// Collective: the torque of all contacts on the body about the point `about` of the world, moments
 /// of rolling friction included. The forces are those of contact_force(); they act at the present
 /// contact points. Every rank names the same body, which may be global or live on any rank. In a
 /// periodic box the body counts at its centre. Zero before the first step.
 template <class Scenario, class Shape>
-[[nodiscard]] vec3 contact_torque(world<Scenario>& w, handle<Shape> h, const vec3& about) {
+[[nodiscard]] vec3 contact_torque(world<Scenario>& w, handle<Shape> h, const vec3& about) requires(
+    detail::takes_shape<Scenario, Shape>) {
   w.require_all_ranks("contact_torque");
   auto& s = detail::state_of(w);
   const auto found = w.find(h);
@@ -115,5 +122,9 @@ template <class Scenario, class Shape>
   detail::sum_exactly(w.link(), load.force, load.torque, arm);
   return load.torque.value() + arm.value().cross(load.force.value());
 }
+/// Refuses a shape that the scenario does not name.
+template <class Scenario, class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+vec3 contact_torque(world<Scenario>&, handle<Shape>,
+                    const vec3&) requires(!detail::takes_shape<Scenario, Shape>) = delete;
 
 }  // namespace talus

@@ -168,7 +168,8 @@ struct body_reading {
 
 /// Collective: the body, whichever rank owns it. All ranks name the same one. Costs one reduction.
 template <class Scenario, class Shape>
-[[nodiscard]] body_reading measure_body(world<Scenario>& w, handle<Shape> h) {
+[[nodiscard]] body_reading measure_body(world<Scenario>& w, handle<Shape> h) requires(
+    detail::takes_shape<Scenario, Shape>) {
   w.require_all_ranks("measure_body");
   std::array<double, 19> sums{};  // of one rank, and zeros
   if (const auto b = w.find(h); b && (b->is_global() ? w.rank() == 0 : !b->is_remote())) {
@@ -214,9 +215,19 @@ template <class Scenario, class Shape>
 }
 /// Collective: the body that add_if_local() has added, which only some ranks have a handle of.
 template <class Scenario, class Shape>
-[[nodiscard]] body_reading measure_body(world<Scenario>& w, const std::optional<handle<Shape>>& h) {
+[[nodiscard]] body_reading measure_body(
+    world<Scenario>& w,
+    const std::optional<handle<Shape>>& h) requires(detail::takes_shape<Scenario, Shape>) {
   w.require_all_ranks("measure_body");
   return measure_body(w, handle<Shape>{detail::agreed_ids(w, std::span(&h, 1))[0]});
 }
+/// Refuses a shape that the scenario does not name.
+template <class Scenario, class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+body_reading measure_body(world<Scenario>&,
+                          handle<Shape>) requires(!detail::takes_shape<Scenario, Shape>) = delete;
+/// Refuses a shape that the scenario does not name.
+template <class Scenario, class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+body_reading measure_body(world<Scenario>&, const std::optional<handle<Shape>>&) requires(
+    !detail::takes_shape<Scenario, Shape>) = delete;
 
 }  // namespace talus
