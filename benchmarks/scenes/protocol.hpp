@@ -68,6 +68,7 @@ void add_common(record& out, const scene& s, Engine& engine, const stopwatch& wa
   out.add("cpu_ms_per_step", watch.mean());
   out.add("cpu_ms_per_step_median", watch.median());
   out.add("cpu_ms_per_step_fastest", watch.fastest());
+  out.add("cpu_ms_per_step_longest", watch.longest());
   out.add("contacts", contacts);
   out.add("iterations", engine.iterations());
   out.add(
