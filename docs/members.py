@@ -304,6 +304,7 @@ def members(body, is_class):
 def tidy(head):
     """A declaration as a row of the sheet shows it."""
     head = re.sub(r"\[\[[^\]]*\]\]\s*", "", head)
+    head = re.sub(r"\(\s+", "(", head)
     head = re.sub(r"^template <.*?>\s+(?=[a-z_])", "", head) if head.startswith("template") else head
     head = re.sub(r"^template <.*>\s+(?=[a-z_]+ [a-z_]+\()", "", head)
     head = re.sub(r"\brequires\b.*", "", head)
