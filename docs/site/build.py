@@ -186,7 +186,7 @@ class Site:
         entries = []
         for p, g in zip(self.pages, self.guides):
             weight = {"members.md": 0.3, "CHANGELOG.md": 0.3}.get(g.source.name, 0.6 if g.source.parts[:2] in (
-                ("docs", "report"), ("docs", "performance")) else 1)
+                ("docs", "report"), ("docs", "performance"), ("docs", "validation")) else 1)
             for anchor, heading, text in g.sections():
                 entries.append({"k": "guide", "p": g.title, "h": heading, "s": p.section, "w": weight,
                                 "u": f"{g.path}#{anchor}" if anchor else str(g.path), "t": text})
