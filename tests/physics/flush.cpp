@@ -407,3 +407,39 @@ TEST_CASE("real steps, walls and outer edges act on what slides against them") {
   CHECK(p[2] < 0.01);
   CHECK(v[0] == doctest::Approx(3).epsilon(0.05));
 }
+
+TEST_CASE("a cube slides along a corner of flush floors and walls without a bump") {
+  for (const bool overlapping : {true, false})
+    for (const real tilt : {real(0), pi / 4})
+      for (const real speed : {0.05, 1.0}) {
+        CAPTURE(overlapping);
+        CAPTURE(tilt);
+        CAPTURE(speed);
+        serial::link link;
+        world<scene> w(link);
+        (void)w.material({.density = 1000, .restitution = 0, .friction = 0});
+        w.gravity({0, 0, -9.81});
+        const quat q(std::cos(tilt / 2), std::sin(tilt / 2), 0, 0);
+        w.global([&](auto& scope) {
+          const auto add = [&](const vec3& from, const vec3& to) {
+            scope.add(body<box>{.shape = box{to - from},
+                                .position = rotated(q, vec3(0.5 * (from + to))),
+                                .orientation = q});
+          };
+          for (const real x : {-1.0, 0.0}) {
+            const real below = overlapping ? -0.2 : 0;
+            add({x, below, -0.2}, {x + 1, 1, 0});
+            add({x, -0.2, below}, {x + 1, 0, 1});
+          }
+        });
+        const auto cube = w.add(body<box>{.shape = box{{0.06, 0.06, 0.06}},
+                                          .position = rotated(q, vec3(-0.06, 0.03, 0.03)),
+                                          .velocity = {speed, 0, 0},
+                                          .orientation = q});
+        const real dt = 1.0 / 240;
+        for (int k = 0; k * speed * dt < 0.12; ++k) {
+          w.step(dt);
+          REQUIRE((w[cube].velocity() - vec3(speed, 0, 0)).norm() <= 1e-6 * speed);
+        }
+      }
+}

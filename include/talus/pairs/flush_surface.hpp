@@ -275,14 +275,26 @@ class flush_surface {
       }
       constexpr real infinity = std::numeric_limits<real>::infinity();
       real nearest = infinity, on_surface = infinity;
-      each_way_out(solid, p, n, tolerance, [&](real way, const vec3& q) {
-        const vec3 there = at.to_world(q);
+      const auto look = [&](real way, const vec3& there) {
         if (way >= on_surface || way > 2 * c_.radius || is_covered(number, there, face)) return;
-        const vec3 outwards = rotated(at.orientation, vec3((q - p) / way));
-        if (!c_.round && !is_in_view(number, there, outwards, face)) return;
+        if (!c_.round && !is_in_view(number, there, vec3((there - point_) / way), face)) return;
         nearest = std::min(nearest, way);
         if (reaches(number, there, tolerance)) on_surface = way;
-      });
+      };
+      each_way_out(solid, p, n, tolerance,
+                   [&](real way, const vec3& q) { look(way, at.to_world(q)); });
+      if (nearest == infinity)  // in a corner: a way out of this solid leads into another one
+        each_way_out(solid, p, n, tolerance, [&](real way, const vec3& q) {
+          if (way > 2 * c_.radius) return;
+          const vec3 first = at.to_world(q);
+          each_cover(number, first, face, [&](const auto& second, const pose& its) {
+            each_way_out(second, its.to_body(first), to_body(its, face), tolerance,
+                         [&](real, const vec3& r) {
+                           const vec3 there = its.to_world(r);
+                           look((there - point_).norm(), there);
+                         });
+          });
+        });
       free = free || on_surface <= 2 * nearest + 8 * tolerance;
     });
     return free || !any;
@@ -309,6 +321,19 @@ class flush_surface {
     };
     if (look(number)) s_.flush.each_near(number, p, reach_of(number), look);
     return free;
+  }
+  /// Calls f(solid, its frame) for the neighbours that cover a face of the body at a point.
+  template <class F>
+  void each_cover(std::uint32_t number, const vec3& p, const vec3& n, F&& f) const {
+    s_.flush.each_near(number, p, reach_of(number), [&](std::uint32_t other) {
+      const real tolerance = tolerance_of(number, other);
+      each_solid(other, p, tolerance, [&](const auto& solid, const pose& at) {
+        if (stands_beside(solid, at.to_body(p), to_body(at, n), tolerance) == beside::covers)
+          f(solid, at);
+        return true;
+      });
+      return true;
+    });
   }
   [[nodiscard]] bool is_covered(std::uint32_t number, const vec3& p, const vec3& n) const {
     const auto& f = s_.flush;
