@@ -147,6 +147,10 @@ dry() {
       'for the 700 steps' -- $ranks --dry-run --steps 700 --json o.json --checkpoint c.h5 --log l.log
     [[ ! -e o.json && ! -e c.h5 && ! -e l.log && ! -e o.json.config.toml ]] || fail "files of a dry run"
   done
+  # Without a step, and of a run that is complete.
+  expect 0 -- "$program" --quiet --steps 5 --checkpoint five.h5
+  expect 0 'there is no step to be made' -- "$program" --dry-run --steps 0
+  expect 0 'there is no step to be made' -- "$program" --dry-run --steps 5 --restart five.h5
   expect 0 -- "$program" --dry-run --steps 700
   local estimate
   estimate=$(sed -n "s/.* on the rank with most, about \([0-9.]*\) \([kM]B\) at rest.*/\1\2/p" out |

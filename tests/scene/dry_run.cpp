@@ -93,6 +93,17 @@ TEST_CASE("a dry run whose contacts no longer grow keeps them, and without gravi
   CHECK(gas.seconds() == doctest::Approx(10000 * gas.step_at_end()));
 }
 
+TEST_CASE("a dry run of a run without steps takes no time") {
+  detail::run_estimate e = falling();
+  e.steps = 0;
+  CHECK(e.contacts_at_rest() == 0);
+  CHECK(e.step_at_rest() == 0);
+  CHECK(e.seconds() == 0);
+  const std::string text = detail::to_text(e, "grains");
+  CHECK(text.find("there is no step to be made") != text.npos);
+  CHECK(text.find("rest") == text.npos);
+}
+
 TEST_CASE("the contacts at rest of a dry run are those of the run within 1.5 times") {
   for (const int ranks : {1, 2, 4})
     for (const int layers : {1, 4})

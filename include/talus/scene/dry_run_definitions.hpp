@@ -45,7 +45,7 @@ TALUS_INLINE bool run_estimate::settled() const {
 }
 TALUS_INLINE double run_estimate::contacts_at_rest() const {
   const auto now = static_cast<double>(contacts());
-  if (!falls || settled()) return now;
+  if (!falls || trial.empty() || settled()) return now;
   return std::max(now, contacts_per_body_at_rest * static_cast<double>(movable));
 }
 TALUS_INLINE double run_estimate::bytes_at_rest() const {
@@ -113,6 +113,8 @@ TALUS_INLINE std::string to_text(const run_estimate& e, const std::string& progr
                         : compose("{}: dry run, no output of the options is written\n", program);
   all += compose("  bodies   {}, of which {} can move; {} on the rank with most of {}\n", e.bodies,
                  e.movable, e.bodies_max, e.ranks);
+  const std::uint64_t made = e.trial_steps();
+  if (made == 0) return all + "  time     none: there is no step to be made\n";
   const bool moving = e.falls && !e.settled();
   all += compose("  contacts {} after the trial, ", e.contacts());
   all += moving      ? compose("about {} when the bodies rest on each other\n",
@@ -126,8 +128,6 @@ TALUS_INLINE std::string to_text(const run_estimate& e, const std::string& progr
       "largest process has had {}\n",
       bytes_text(e.bytes), bytes_text(e.bytes_max), bytes_text(e.bytes_at_rest()),
       bytes_text(e.process_bytes_max));
-  const std::uint64_t made = e.trial_steps();
-  if (made == 0) return all + "  time     no step is to be made\n";
   all += compose("  speed    {} steps/s in a trial of {} steps, {} at its end",
                  text(static_cast<double>(made) / e.trial_seconds(), 3), made,
                  text(1 / e.step_at_end(), 3));
