@@ -78,6 +78,9 @@ full() {
     expect 1 'the time series x.csv (--csv) cannot be written: ' '(ulimit -f)' -- \
       "$program" --quiet --steps 300 --csv x.csv --csv-every 1
   )
+  # What MPI shares between processes lies in a file, too.
+  expect 1 'MPI cannot share memory between processes' '(ulimit -f): raise that limit' -- \
+    "${launch[@]}" bash -c 'ulimit -f 4; exec "$0" --quiet --steps 5' "$program"
   [[ ! -e x.json && ! -e x.log && $(tail -n 2 x.csv | head -n 1) == *,* ]] || fail "other files than the lines that fit"
   nothing_left
   expect 1 '--log /dev/fd/3 cannot be written: there is no room' -- \

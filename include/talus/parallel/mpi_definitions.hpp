@@ -267,6 +267,10 @@ TALUS_MPI_INLINE void mpi::launch_each(const settings& how, const body& main) {
     how.report(detail::compose("error on rank {} of {}: {}", ranks.rank(), ranks.size(), error));
     verdict.end();
   };
+  if (verdict.limited())
+    end_with(
+        "MPI cannot share memory between processes: it needs longer files than the limit allows "
+        "(ulimit -f): raise that limit");
   try {
     run(how, ranks, main, &verdict);
   } catch (const std::exception& e) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <boost/mpi/communicator.hpp>
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <thread>
@@ -31,8 +32,13 @@ class mpi_verdict {
     MPI_Errhandler before = MPI_ERRHANDLER_NULL;
     MPI_Comm_get_errhandler(ranks, &before);
     MPI_Comm_set_errhandler(ranks, MPI_ERRORS_RETURN);
+    static volatile std::sig_atomic_t beyond_limit;
+    beyond_limit = 0;
+    const auto handler = std::signal(SIGXFSZ, [](int) { beyond_limit = 1; });
     answers_ = MPI_Win_allocate(static_cast<MPI_Aint>(count * sizeof *words), sizeof *words,
                                 MPI_INFO_NULL, ranks, &words, &window_) == MPI_SUCCESS;
+    std::signal(SIGXFSZ, handler);
+    limited_ = !answers_ && beyond_limit != 0;
     MPI_Comm_set_errhandler(ranks, before);
     MPI_Errhandler_free(&before);
     if (!answers_) {
@@ -52,6 +58,10 @@ class mpi_verdict {
     MPI_Win_unlock_all(window_);
     MPI_Win_free(&window_);
   }
+
+  /// Whether the limit of file sizes leaves no room for the window, which Open MPI keeps in a file.
+  /// Other ranks then wait in the constructor without end.
+  [[nodiscard]] bool limited() const { return limited_; }
 
   /// True on the first rank that calls it. Between machines rank 0 may have to answer while it is
   /// computing, so after a second without an answer it is also true: two messages are better than
@@ -152,7 +162,7 @@ class mpi_verdict {
   }
 
   boost::mpi::communicator ranks_;
-  bool answers_ = true;
+  bool answers_ = true, limited_ = false;
   std::uint64_t note_ = 0, old_note_ = 0, claim_ = 0, old_claim_ = 0;
   std::vector<std::uint64_t> waits_;
   MPI_Win window_ = MPI_WIN_NULL;
