@@ -139,6 +139,17 @@ TEST_CASE("--frames in a program without pictures is refused before the first st
   }
 }
 
+TEST_CASE("the name of a decomposition that does not exist is a mistake of the command line") {
+  for (const char* name : {"", "gird"}) {
+    const said s = program({}, [&](world<scene>&, const options&) {
+      (void)named_decomposition(name, {0, 0, 0}, {1, 1, 0});
+    });
+    CHECK(s.code == 2);
+    CHECK(s.err == "program: there is no decomposition '" + std::string(name) +
+                       "' for a rectangle: choose grid, slabs, bisection or hexagonal\n");
+  }
+}
+
 TEST_CASE("a program of soft contacts neither offers nor takes options of a solver") {
   using soft = scenario<bodies<sphere, plane>, soft_contact<hertz_mindlin, coulomb_friction>,
                         decomposition<grid<1, 1>>>;

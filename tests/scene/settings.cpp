@@ -196,6 +196,8 @@ TEST_CASE("an empty value is a mistake where it would mean nothing, and so is wh
   const std::string end = " needs a value, but is empty: give it one, or leave it out";
   CHECK(refusal({"--restart", ""}) == "--restart" + end);
   CHECK(refusal({"--json="}) == "--json" + end);
+  CHECK(refusal({"--config", ""}) == "--config" + end);
+  CHECK(refusal({"--config="}) == "--config" + end);
   CHECK(refusal({"--set", "checkpoint="}) == "--checkpoint" + end);
   CHECK(refusal_of("steps = 3\nrestart = ''\n") == "box.toml:2: restart" + end);
   CHECK(read({"--decomposition", ""}).shares.empty());  // "grid" is what is not given

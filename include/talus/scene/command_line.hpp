@@ -155,6 +155,7 @@ class command_line {
   [[nodiscard]] std::string read_file(const std::string& file);
   [[nodiscard]] std::string read_setting(const std::string& file, const setting& s);
   [[nodiscard]] std::string read_pair(std::string_view pair);
+  [[nodiscard]] static std::string without_value(const std::string& name);
   [[nodiscard]] static std::string read_value(option& o, origin from, std::string_view value);
   static std::string read(option& o, std::string_view value, const std::string& name);
   static std::string read_number(option& o, std::string_view value, const std::string& name);

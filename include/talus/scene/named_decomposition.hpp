@@ -1,7 +1,6 @@
 #pragma once
 // A decomposition by name, for programs that let their users choose.
 #include <algorithm>
-#include <stdexcept>
 #include <string>
 
 #include "talus/core/error.hpp"
@@ -10,13 +9,14 @@
 #include "talus/parallel/grid.hpp"
 #include "talus/parallel/hexagonal.hpp"
 #include "talus/parallel/slabs.hpp"
+#include "talus/scene/command_line.hpp"
 
 namespace talus {
 
 /// Divides the rectangle between two corners (and all space above, below and around it) among all
 /// ranks, as "grid" (cells in x and y), "slabs" (along x), "bisection" (cut across x and y) or
-/// "hexagonal" (1, 7, 19, 37, ... ranks). Throws invalid_argument for another name. (A template, so
-/// that only programs that call it compile all of them.)
+/// "hexagonal" (1, 7, 19, 37, ... ranks). Throws usage_error for another name. (A template, so that
+/// only programs that call it compile all of them.)
 template <class Result = any_decomposition>
 [[nodiscard]] Result named_decomposition(const std::string& name, const vec3& lower,
                                          const vec3& upper) {
@@ -30,7 +30,7 @@ template <class Result = any_decomposition>
   if (name == "hexagonal")
     return hexagonal<dynamic>{.width = std::max(upper[0] - lower[0], upper[1] - lower[1]),
                               .centre = 0.5 * (lower + upper)};
-  detail::fail<std::invalid_argument>(
+  detail::fail<usage_error>(
       "there is no decomposition '{}' for a rectangle: choose grid, slabs, bisection or hexagonal",
       name);
 }

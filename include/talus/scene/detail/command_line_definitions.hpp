@@ -145,7 +145,7 @@ TALUS_INLINE std::string command_line::walk(int argc, const char* const* argv, b
     }
     if (files != (o->holds == kind::file)) continue;
     if (o->holds == kind::file)
-      wrong = read_file(std::string(value));
+      wrong = value.empty() ? without_value(o->name) : read_file(std::string(value));
     else if (o->holds == kind::pair)
       wrong = read_pair(value);
     else
@@ -153,6 +153,11 @@ TALUS_INLINE std::string command_line::walk(int argc, const char* const* argv, b
     if (!wrong.empty()) return wrong;
   }
   return {};
+}
+
+/// An empty text is a variable of the shell without a value.
+TALUS_INLINE std::string command_line::without_value(const std::string& name) {
+  return detail::compose("{} needs a value, but is empty: give it one, or leave it out", name);
 }
 
 /// A value from the command line.
@@ -168,10 +173,8 @@ TALUS_INLINE std::string command_line::read_value(option& o, origin from, std::s
 TALUS_INLINE std::string command_line::read(option& o, std::string_view value,
                                             const std::string& name) {
   if (o.holds == kind::text) {
-    // Where nothing stands for "not given", an empty text is a variable of the shell without a
-    // value.
-    if (value.empty() && o.initial.empty())
-      return detail::compose("{} needs a value, but is empty: give it one, or leave it out", name);
+    // Nothing stands for "not given".
+    if (value.empty() && o.initial.empty()) return without_value(name);
     if (!detail::is_utf8(value))
       return detail::compose("{} needs a text in UTF-8, but is '{}'", name, std::string(value));
     // A line break in a name would make lines of its own in what the program prints.
