@@ -67,7 +67,8 @@ def add_table(head, table):
 
 def require_replaceable(path, force):
     """Stops unless the file is absent, empty or a page of talus. With --force it may be another file or a symbolic link,
-    but never a folder, a device, a pipe, a socket or the name of a stream: as talus::detail::inspect_target of programs."""
+    but never a folder, a device, a pipe or a socket, a link that leads to one of these, or the name of a stream: as
+    talus::detail::inspect_target of programs."""
     place = os.path.join(os.path.realpath(os.path.dirname(path) or "."), os.path.basename(path))
     if place in ("/dev/stdin", "/dev/stdout", "/dev/stderr") or place.startswith(("/dev/fd/", "/proc/")):
         sys.exit(f"view: {path} is a stream of this program, which a page must not replace: name a file")
@@ -75,6 +76,8 @@ def require_replaceable(path, force):
         mode = os.lstat(path).st_mode
     except OSError:
         return  # absent, or writing it will fail
+    if stat.S_ISLNK(mode) and os.path.exists(path) and not os.path.isfile(path):
+        mode = os.stat(path).st_mode
     if stat.S_ISDIR(mode):
         sys.exit(f"view: {path} is a folder: name a file in it")
     if not stat.S_ISREG(mode) and not stat.S_ISLNK(mode):

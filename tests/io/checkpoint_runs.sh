@@ -449,8 +449,22 @@ foreign() {
   run --steps 5 --json text2 --checkpoint link --csv dangling --force
   [[ $(digest text2) != '' && $(cat text) == 'a diary' && -f link && ! -L link && ! -L dangling ]] ||
     fail "--force does not replace what it should, or more"
-  expect 1 'folder is a folder' -- "$program" --quiet --force --json folder
-  [[ ! -e node ]] || expect 1 'node is a device' -- "$program" --quiet --force --checkpoint node
+  ln -s pipe to_pipe
+  ln -s folder to_folder
+  for what in pipe to_pipe; do
+    expect 1 "$what is a device" -- "$program" --quiet --force --checkpoint $what
+  done
+  [[ ! -e node ]] || ln -s node to_node
+  for option in --checkpoint --json --csv --log; do
+    for what in folder to_folder; do
+      expect 1 "$what is a folder" -- "$program" --quiet --force $option $what
+    done
+    [[ -e node ]] || continue
+    for what in node to_node; do
+      expect 1 "$what is a device" -- "$program" --quiet --force $option $what
+    done
+  done
+  [[ -p pipe && -L to_pipe && -L to_folder && (! -e node || -L to_node) ]] || fail "a link is replaced"
   # Targets that are written to instead of replaced.
   [[ $("$program" --quiet --steps 5 --json /dev/stdout | digest /dev/stdin) == "$(digest j.json)" ]] ||
     fail "results do not go to a pipe"

@@ -155,6 +155,15 @@ class Foreign(unittest.TestCase):
             with self.assertRaisesRegex(talus.Error, "is a device"):
                 talus.open(path)
 
+    def test_links_that_lead_to_no_file_stay(self):
+        write_output(self.folder)
+        os.mkfifo(self.folder / "pipe")
+        (self.folder / "to_pipe").symlink_to("pipe")
+        (self.folder / "to_folder").symlink_to(self.outer)
+        self.assertIn("to_pipe is a device, a pipe or a socket", self.view("--html", self.folder / "to_pipe", "--force", code=1).stderr)
+        self.assertIn("to_folder is a folder", self.view("--html", self.folder / "to_folder", "--force", code=1).stderr)
+        self.assertTrue((self.folder / "to_pipe").is_symlink() and (self.folder / "to_folder").is_symlink())
+
     def test_sizes_are_those_of_the_file(self):
         huge = lambda g, n: g.create_dataset(n, (1 << 50, 3), "f8", chunks=(1024, 3))
         late = lambda g, n: g.create_dataset(n, (1 << 26, 3), "f8")

@@ -40,8 +40,9 @@ struct output_target {
   std::string objection{};  ///< why it must not be replaced, as the second half of a sentence
 };
 
-/// Whether a path names a pipe or one of the program's own streams, which are written to and not
-/// replaced.
+/// Whether a path names one of the program's own streams, in any form of it.
+[[nodiscard, gnu::cold]] bool is_own_stream(const std::string& path);
+/// Whether a path names a pipe or such a stream, which are written to and not replaced.
 [[nodiscard, gnu::cold]] bool is_stream(const std::string& path);
 
 [[nodiscard, gnu::cold]] std::string objection_to_link(const std::string& path,
@@ -49,7 +50,8 @@ struct output_target {
 [[nodiscard, gnu::cold]] output_target inspect_regular(const std::string& path,
                                                        const output_kind& kind, bool force);
 /// Checks the path of an output. With `force` it may replace other regular files and symbolic
-/// links, but never folders and devices.
+/// links, but never folders, devices, pipes, sockets, links that lead to one of these, and the
+/// program's own streams.
 [[nodiscard, gnu::cold]] output_target inspect_target(const std::string& path,
                                                       const output_kind& kind, bool force);
 

@@ -2,6 +2,8 @@
 // The definitions of output_file.hpp, in the compiled part or in each program.
 #include <sys/resource.h>
 
+#include <cstdlib>
+
 #include "talus/core/linkage.hpp"
 #include "talus/core/output_file.hpp"
 
@@ -9,11 +11,19 @@ namespace talus::detail {
 
 TALUS_INLINE std::string system_words(int error) { return std::strerror(error); }
 
+TALUS_INLINE bool is_own_stream(const std::string& path) {
+  const auto slash = path.find_last_of('/');
+  const std::string folder = slash == path.npos ? "." : path.substr(0, slash + 1);
+  char* const found = ::realpath(folder.c_str(), nullptr);
+  const std::string place = found == nullptr ? "" : found + ('/' + path.substr(slash + 1));
+  std::free(found);
+  return place == "/dev/stdin" || place == "/dev/stdout" || place == "/dev/stderr" ||
+         place.starts_with("/proc/");
+}
+
 TALUS_INLINE bool is_stream(const std::string& path) {
-  for (const std::string_view own : {"/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/self/fd/"})
-    if (path.starts_with(own)) return true;
   struct stat found {};
-  return ::stat(path.c_str(), &found) == 0 && S_ISFIFO(found.st_mode);
+  return is_own_stream(path) || (::stat(path.c_str(), &found) == 0 && S_ISFIFO(found.st_mode));
 }
 
 TALUS_INLINE std::string objection_to_link(const std::string& path, const output_kind& kind,
@@ -51,10 +61,15 @@ TALUS_INLINE output_target inspect_regular(const std::string& path, const output
 
 TALUS_INLINE output_target inspect_target(const std::string& path, const output_kind& kind,
                                           bool force) {
+  if (is_own_stream(path))
+    return {.objection =
+                "is a stream of this program, which this output must not replace: name a "
+                "file"};
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0) return {};  // absent, or opening it will fail
   if (S_ISREG(found.st_mode)) return inspect_regular(path, kind, force);
-  if (S_ISLNK(found.st_mode)) return {.objection = objection_to_link(path, kind, force)};
+  if (S_ISLNK(found.st_mode) && (::stat(path.c_str(), &found) != 0 || S_ISREG(found.st_mode)))
+    return {.objection = objection_to_link(path, kind, force)};
   if (S_ISDIR(found.st_mode)) return {.objection = "is a folder: name a file in it"};
   return {.objection =
               "is a device, a pipe or a socket, which this output must not replace: name "
@@ -182,8 +197,10 @@ TALUS_INLINE int begin_output(const std::string& path, std::string_view text,
 TALUS_INLINE void require_own_output(int id, const std::string& path) {
   struct stat own {
   }, named{};
-  if (::fstat(id, &own) != 0 || !S_ISREG(own.st_mode) || is_stream(path)) return;
-  if (::stat(path.c_str(), &named) != 0 || own.st_dev != named.st_dev || own.st_ino != named.st_ino)
+  if (::fstat(id, &own) != 0 || !S_ISREG(own.st_mode)) return;
+  if ((::stat(path.c_str(), &named) != 0 || own.st_dev != named.st_dev ||
+       own.st_ino != named.st_ino) &&
+      !is_stream(path))
     fail<std::runtime_error>(
         "is no longer the file that this run has begun: something else has removed or replaced it; "
         "begin again with another name");

@@ -55,8 +55,6 @@ TALUS_INLINE void append_base64(std::string& to, std::span<const std::byte> byte
 
 TALUS_INLINE view_page::view_page(std::string file, bool force)
     : file_(std::move(file)), force_(force) {
-  if (is_stream(file_))
-    fail<std::runtime_error>("--view {} is a stream: name a file, as in --view run.html", file_);
   const output_target target = inspect_target(file_, view_output, force_);
   if (!target.objection.empty()) fail<std::runtime_error>("--view {} {}", file_, target.objection);
   const std::string three = read_three();

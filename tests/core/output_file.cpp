@@ -1,0 +1,77 @@
+#include "talus/core/output_file.hpp"
+
+#include <doctest/doctest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <filesystem>
+#include <fstream>
+
+using namespace talus;
+using detail::inspect_target;
+
+namespace {
+
+const detail::output_kind any{"such a file", [](std::string_view) { return false; }};
+
+/// A folder of its own, which is the working folder in the meantime.
+class scratch {
+ public:
+  scratch() : before_(std::filesystem::current_path()) {
+    std::string name = std::filesystem::temp_directory_path() / "talus_output_file_XXXXXX";
+    REQUIRE(::mkdtemp(name.data()) != nullptr);
+    std::filesystem::current_path(here_ = name);
+  }
+  scratch(const scratch&) = delete;
+  scratch& operator=(const scratch&) = delete;
+  ~scratch() {
+    std::filesystem::current_path(before_);
+    std::filesystem::remove_all(here_);
+  }
+
+ private:
+  std::filesystem::path before_, here_;
+};
+
+bool objects(const std::string& path, const char* words) {
+  return inspect_target(path, any, true).objection.find(words) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("what is no file is never replaced, nor a link that leads to it") {
+  const scratch here;
+  std::filesystem::create_directory("folder");
+  REQUIRE(::mkfifo("pipe", 0600) == 0);
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un name{.sun_family = AF_UNIX, .sun_path = "socket"};
+  REQUIRE(::bind(socket, reinterpret_cast<sockaddr*>(&name), sizeof name) == 0);
+  ::close(socket);
+  std::ofstream("text") << "a diary";
+  for (const char* what : {"folder", "pipe", "socket", "text", "nothing"}) {
+    std::filesystem::create_symlink(what, std::string("to_") + what);
+    std::filesystem::create_symlink(std::string("to_") + what, std::string("to_to_") + what);
+  }
+  for (const std::string to : {"", "to_", "to_to_"}) {
+    CAPTURE(to);
+    CHECK(objects(to + "folder", "is a folder"));
+    CHECK(objects(to + "pipe", "is a device, a pipe or a socket"));
+    CHECK(objects(to + "socket", "is a device, a pipe or a socket"));
+    CHECK(inspect_target(to + "text", any, true).objection.empty());
+    CHECK(inspect_target(to + "nothing", any, true).objection.empty());
+  }
+}
+
+TEST_CASE("streams of the program are never replaced, in any form of their names") {
+  for (const char* name : {"/dev/stdin", "/dev/stdout", "//dev/./stderr", "/dev/fd/1",
+                           "/proc/self/fd/2", "/proc/thread-self/fd/1"}) {
+    CAPTURE(name);
+    CHECK(detail::is_stream(name));
+    CHECK(objects(name, "is a stream of this program"));
+  }
+  const scratch here;
+  std::filesystem::create_directory_symlink("/dev", "devices");
+  CHECK(objects("devices/stdout", "is a stream of this program"));
+  CHECK_FALSE(detail::is_stream("stdout"));
+  CHECK_FALSE(detail::is_stream("/dev/stdout.txt"));
+}
