@@ -4,8 +4,11 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 using namespace talus;
 using detail::inspect_target;
@@ -74,4 +77,34 @@ TEST_CASE("streams of the program are never replaced, in any form of their names
   CHECK(objects("devices/stdout", "is a stream of this program"));
   CHECK_FALSE(detail::is_stream("stdout"));
   CHECK_FALSE(detail::is_stream("/dev/stdout.txt"));
+}
+
+TEST_CASE("the rest of a killed run is removed, and no file of another name") {
+  const scratch here;
+  const auto leave = [](const std::string& path) {  // as a process that is killed does
+    detail::part_file part(path);
+    REQUIRE(part.good());
+    const std::string name = part.name();
+    REQUIRE(part.rename_to("moved"));
+    std::filesystem::rename("moved", name);
+    return name;
+  };
+  std::vector<std::string> rests{leave("k"), leave("./k")},
+      others{"k.part-backup", "k.part-abc123def456"};
+  std::string altered = rests[0];
+  altered.back() = altered.back() == 'a' ? 'b' : 'a';
+  others.push_back(altered);
+  others.push_back("j" + rests[0].substr(1));
+  others.push_back(leave("j"));
+  for (const std::string& name : others) std::ofstream(name) << "mine";
+  detail::remove_parts_of("k");
+  for (const std::string& name : rests) CHECK_FALSE(std::filesystem::exists(name));
+  for (const std::string& name : others) CHECK(std::filesystem::exists(name));
+
+  rests = {leave("k_0000000700.hdf"), leave("k_3.hdf")};
+  others = {leave("k_.hdfs"), "k_3.hdf.part-backup"};
+  std::ofstream(others[1]) << "mine";
+  detail::remove_parts_of(std::filesystem::current_path() / "k_", ".hdf");
+  for (const std::string& name : rests) CHECK_FALSE(std::filesystem::exists(name));
+  for (const std::string& name : others) CHECK(std::filesystem::exists(name));
 }

@@ -399,7 +399,6 @@ two_runs() {
     fi
     # The rest of it does not block the next one, which cleans up.
     [[ -e c.h5.lock ]] || fail "the lock of a killed run is gone"
-    : >c.h5.part-abc123
     goes_on_for_a_while
     nothing_beside c.h5
   done

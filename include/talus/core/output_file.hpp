@@ -77,12 +77,16 @@ class ignored_signal {
   void (*before_)(int);
 };
 
-/// A temporary file beside an output, PATH.part- and six letters. It gets the name of the output
-/// when it is complete, and is removed otherwise.
+/// A temporary file beside an output, PATH.part-, six random letters, and six that follow from the
+/// name before them: no other file has such a name by chance. It gets the name of the output when
+/// it is complete, and is removed otherwise.
 class part_file {
  public:
   static constexpr std::string_view infix = ".part-";
   static constexpr std::size_t letters = 6;
+
+  /// The last letters, for a name without its folder and them.
+  [[nodiscard, gnu::cold]] static std::string seal(std::string_view name);
 
   part_file() = default;
   [[gnu::cold]] explicit part_file(const std::string& path);

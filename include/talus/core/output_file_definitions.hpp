@@ -98,15 +98,27 @@ TALUS_INLINE std::string words_of_failed_write(const std::string& path, std::uin
       needs, system_words(error), missing);
 }
 
-TALUS_INLINE part_file::part_file(const std::string& path) {
+[[nodiscard, gnu::cold]] inline std::string letters_of(std::uint64_t number) {
   static constexpr std::string_view alphabet = "abcdefghijklmnopqrstuvwxyz0123456789";
+  std::string all;
+  for (std::size_t k = 0; k < part_file::letters; ++k, number /= alphabet.size())
+    all += alphabet[number % alphabet.size()];
+  return all;
+}
+
+TALUS_INLINE std::string part_file::seal(std::string_view name) {
+  std::uint64_t hash = 0;
+  for (const char c : name) hash = mix(hash ^ static_cast<unsigned char>(c));
+  return letters_of(hash);
+}
+
+TALUS_INLINE part_file::part_file(const std::string& path) {
   for (int attempt = 0; attempt < 100; ++attempt) {
-    std::uint64_t random = mix(
+    const std::uint64_t random = mix(
         static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count()) ^
         static_cast<std::uint64_t>(::getpid()) << 40 ^ reinterpret_cast<std::uintptr_t>(this));
-    name_ = path + std::string(infix);
-    for (std::size_t k = 0; k < letters; ++k, random /= alphabet.size())
-      name_ += alphabet[random % alphabet.size()];
+    name_ = path + std::string(infix) + letters_of(random);
+    name_ += seal(std::string_view(name_).substr(path.find_last_of('/') + 1));
     id_ = ::open(name_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (id_ >= 0 || errno != EEXIST) return;
   }
@@ -138,12 +150,16 @@ TALUS_INLINE void remove_parts_of(const std::string& path, std::string_view end)
   DIR* const all = ::opendir(folder.c_str());
   if (all == nullptr) return;
   while (const dirent* const one = ::readdir(all)) {
-    std::string_view name = one->d_name;
+    const std::string_view whole = one->d_name;
+    std::string_view name = whole;
     if (!name.starts_with(begin)) continue;
     name.remove_prefix(begin.size());
     if (!end.empty())
       name.remove_prefix(std::min(name.find_first_not_of("0123456789"), name.size()));
-    if (!name.starts_with(behind) || name.size() != behind.size() + part_file::letters) continue;
+    if (!name.starts_with(behind) || name.size() != behind.size() + 2 * part_file::letters)
+      continue;
+    const std::size_t sealed = whole.size() - part_file::letters;
+    if (part_file::seal(whole.substr(0, sealed)) != whole.substr(sealed)) continue;
     struct stat found {};
     if (::fstatat(::dirfd(all), one->d_name, &found, AT_SYMLINK_NOFOLLOW) == 0 &&
         S_ISREG(found.st_mode) && found.st_uid == ::geteuid())
