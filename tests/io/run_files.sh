@@ -153,6 +153,17 @@ links() {
     expect 0 -- "$program" --quiet --steps 9 --restart c.h5 $option link --force
     [[ $(cat text) == 'a diary' && ! -L link ]] || fail "$option --force destroys more than the link at a restart"
   done
+  # A restart goes on with a table or a log; another name of the file keeps what it has.
+  for option in --log --csv; do
+    expect 0 -- "$program" --quiet --steps 5 --checkpoint c.h5 $option goes_on
+    ln goes_on other
+    cp goes_on before
+    expect 0 -- "$program" --quiet --steps 20 --restart c.h5 $option goes_on
+    cmp other before || fail "a restart with $option changes another name of the file"
+    (($(wc -l <goes_on) > $(wc -l <before))) || fail "a restart with $option has added nothing"
+    [[ $option != --log ]] || head -c "$(stat -c %s before)" goes_on | cmp - before || fail "the restart has not kept the log"
+    rm goes_on other
+  done
   nothing_left
 }
 

@@ -6,6 +6,8 @@
 
 #include <cerrno>
 #include <ctime>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -65,14 +67,15 @@ TALUS_INLINE void run_log::open(const options& o, int argc, const char* const* a
   }
   text = printable(text);
   try {
-    const bool goes_on = !o.restart.empty() && !is_stream(o.log) &&
-                         inspect_target(o.log, log_output, o.force).replaces;
-    if (goes_on) {
-      id_ = ::open(o.log.c_str(), O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC);
-      add_to_output(id_, o.log, text);
-    } else {
-      id_ = begin_output(o.log, text, log_output, o.force);
+    if (!o.restart.empty() && !is_stream(o.log) &&
+        inspect_target(o.log, log_output, o.force).replaces) {
+      // A longer copy replaces the file: another name of it keeps what it has.
+      std::ostringstream earlier;
+      earlier << std::ifstream(o.log, std::ios::binary).rdbuf();
+      if (!earlier) fail<std::runtime_error>("cannot be read: {}", system_words());
+      text.insert(0, earlier.str());
     }
+    id_ = begin_output(o.log, text, log_output, o.force);
   } catch (const std::exception& e) {
     fail<std::runtime_error>("--log {} {}", o.log, e.what());
   }
