@@ -12,6 +12,7 @@ import time
 import frames
 import page
 import view
+from printable import printable
 
 
 def changed(file):
@@ -114,7 +115,7 @@ def handler_of(source, token, whole_page):
                     try:
                         found = self.found(way[1], int(way[2]))
                     except (SystemExit, OSError, frames.Error) as error:
-                        found = 500, f"{error}\n".encode(errors="replace")
+                        found = 500, f"{printable(error)}\n".encode()
                 if found:
                     return self.answer(*found)
             self.answer(404, b"There is no such page.\n")

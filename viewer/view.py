@@ -143,7 +143,7 @@ def write_page(o, base):
 
 def about(base, names, live=False):
     known = {"step", "time"}
-    more = {"name": os.path.basename(base), "recorded": [n for n in names if n not in known]}
+    more = {"name": printable(os.path.basename(base)), "recorded": [n for n in names if n not in known]}
     more["notes"] = ["From the files of --output, which have no planes, domains and joints; --view of a program shows them."]
     if live:
         more["live"] = True

@@ -43,8 +43,9 @@ def read_text(path):
 
 def beside(path, name):
     """The path of a file in the folder of `path`, where a file has that name for it. Raises Error if it is that of
-    another place: a symbolic link, or a name with a folder."""
-    if not name.isprintable() or name in ("", ".", "..") or name != os.path.basename(name):
+    another place, a symbolic link or a name with a folder, and if it commands the terminal otherwise than `path` does."""
+    known = len(os.path.commonprefix([os.path.basename(path), name]))
+    if not name[known:].isprintable() or name in ("", ".", "..") or name != os.path.basename(name):
         raise Error(f"{path} names {name!r}: files of an output lie in its folder, and have plain names")
     found = os.path.join(os.path.dirname(path), name)
     if os.path.islink(found):

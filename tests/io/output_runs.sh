@@ -25,6 +25,14 @@ if command -v pvpython >/dev/null; then
   env -u DISPLAY pvpython "$source/tests/io/read_output_paraview.py" two 7
 fi
 
+# Whatever its name, an output is read; the name does not command the terminal, nor the page.
+odd=$'a "b"\\<\t\e[2J\xe2\x80\xae'
+"$program" --quiet --steps 20 --output "$odd"
+PYTHONPATH=$source/python "$python" -B -c 'import sys, talus; print(len(talus.open(sys.argv[1])[0]), "bodies")' "$odd"
+echo THREE >three.js
+TALUS_THREE=$PWD/three.js "$python" -B "$source/viewer/view.py" "$odd" >out 2>&1 || { cat -v out; fail 'no page of an odd name'; }
+! grep -qe $'\e' -e $'\xe2\x80\xae' out "$odd.html" || fail 'a name commands the terminal or the page'
+
 # A run is killed: all files that its series names are complete. Another run continues from its
 # checkpoint.
 kept=0

@@ -140,6 +140,21 @@ class Foreign(unittest.TestCase):
         with_array(self.folder / BODIES, "VTKHDF/PointData/a\x1b[2Jb", lambda g, n: g.__setitem__(n, h5py.SoftLink("/VTKHDF")))
         self.refused("VTKHDF/PointData has the name 'a\\x1b[2Jb'")
 
+    def test_names_that_a_run_has_written_are_read_and_shown_escaped(self):
+        odd = "a \t\x1b[2J\u202e<b"
+        for file in (BODIES, CONTACTS, SURFACES, "o.hdf.series"):
+            (self.folder / file).rename(self.folder / (odd + file[1:]))
+        (self.folder / (odd + ".hdf.series")).write_text(json.dumps({"files": [{"name": odd + BODIES[1:], "time": 0.5}]}))
+        read_all(self.folder / odd)
+        told = subprocess.run([*VIEW, str(self.folder / odd)], capture_output=True, text=True, timeout=20,
+                              env={**os.environ, "TALUS_THREE": str(self.folder / "three.js")})
+        self.assertEqual(told.returncode, 0, told.stderr)
+        for text in told.stderr, (self.folder / (odd + ".html")).read_text():
+            self.assertTrue("\x1b" not in text and "\u202e" not in text and "\\u202e" in text, text[:2000])
+        (self.folder / (odd + ".hdf.series")).write_text(json.dumps({"files": [{"name": odd + "\x1b" + BODIES[1:], "time": 0.5}]}))
+        with self.assertRaisesRegex(talus.Error, "plain names"):
+            read_all(self.folder / odd)
+
     def test_pipes_and_devices_are_refused(self):
         for file in (BODIES, CONTACTS, SURFACES, "o.hdf.series"):
             write_output(self.folder)
