@@ -230,6 +230,20 @@ class Worlds(unittest.TestCase):
         self.assertEqual((steps, world.steps), (30, 30))
         self.assertEqual(world.results()["calls"], 30)
 
+    def test_a_world_without_steps_to_make_is_finished(self):
+        file = str(self.work / "complete.h5")
+        drop.World(steps=20, checkpoint=file).run()
+        for world in (drop.World(steps=0), mechanism.World(steps=0), drop.World(steps=20, restart=file)):
+            self.assertTrue(world.finished)
+            while not world.finished:
+                world.step()
+            self.assertEqual(world.run(), 0)
+            with self.assertRaisesRegex(RuntimeError, f"the set-up has ended after {world.steps} steps"):
+                world.step()
+        world = mechanism.World(steps=1)  # its first simulate makes no step
+        self.assertFalse(world.finished)
+        self.assertEqual((world.step(), world.finished), (1, True))
+
     def test_threads_may_work_with_worlds_while_python_ends(self):
         for work in ("while True: w.step(20)", "w.run()", "while True: drop.World(steps=10)"):
             for wait in ("0", "0.01", "0.1"):

@@ -52,7 +52,8 @@ class session {
           "Python was started by mpirun as several processes, but it drives worlds of one rank: "
           "start it without mpirun");
   }
-  /// Runs the set-up up to the start of its first simulate(). Throws what the set-up throws.
+  /// Runs the set-up up to the start of its first simulate() with a step to make, or to its end.
+  /// Throws what the set-up throws.
   void begin() {
     const only_one busy(*this);
     {
@@ -68,10 +69,10 @@ class session {
     }
   }
 
-  /// Makes `n` steps, or fewer if the set-up ends before: none if it had no more to simulate. After
-  /// the last step of a simulate() the set-up also runs on to the next one, or to its end.
-  /// Returns their number. Throws runtime_error if it had ended before, what the steps throw, and
-  /// the exception of a signal, such as KeyboardInterrupt, after the present step.
+  /// Makes `n` steps, or fewer if the set-up ends before. After the last step of a simulate() the
+  /// set-up also runs on to the next one with a step to make, or to its end. Returns their number.
+  /// Throws runtime_error if it had ended before, what the steps throw, and the exception of a
+  /// signal, such as KeyboardInterrupt, after the present step.
   std::uint64_t step(std::uint64_t n) {
     if (n == 0) return 0;
     (void)open();
@@ -208,8 +209,10 @@ class session {
   }
   void drive(world_type& w, const Options& o) {
     world_ = &w;
-    // After the last step of a simulate() the set-up goes on to the next one, or to its end.
-    w.before_simulating("Python", [this] {
+    // After the last step of a simulate() the set-up goes on to the next one with a step to make,
+    // or to its end.
+    w.before_simulating("Python", [this, &w] {
+      if (w.steps() == w.last_step()) return;
       if (!std::exchange(begun_, true) || std::exchange(due_, false)) thread_.yield();
     });
     w.monitor_after_observers("Python", [this, &w] {
