@@ -454,6 +454,8 @@ foreign() {
     expect 1 "$what is a device" -- "$program" --quiet --force --checkpoint $what
   done
   [[ ! -e node ]] || ln -s node to_node
+  ln -s pipe p.json.config.toml
+  expect 1 'p.json.config.toml is a device' -- "$program" --quiet --force --json p.json
   for option in --checkpoint --json --csv --log; do
     for what in folder to_folder; do
       expect 1 "$what is a folder" -- "$program" --quiet --force $option $what

@@ -11,11 +11,10 @@
 
 namespace talus::detail {
 
-/// Checks one option on rank 0: throws runtime_error if its file must not be replaced or cannot be
-/// written. Returns true if a file of its kind exists.
+/// Checks the file of one option on rank 0, which is no stream: throws runtime_error if it must not
+/// be replaced or cannot be written. Returns true if a file of its kind exists.
 [[gnu::cold]] inline bool inspect_output(const char* option, const std::string& file,
                                          const output_kind& kind, bool force) {
-  if (file.empty() || is_stream(file)) return false;
   const output_target target = inspect_target(file, kind, force);
   if (!target.objection.empty())
     fail<std::runtime_error>("{} {} {}", option, file, target.objection);
@@ -33,9 +32,10 @@ template <class Options>
   std::string words;
   const auto each = [&](const char* option, const std::string& file, const output_kind& kind,
                         bool goes_on) {
+    if (file.empty() || is_stream(file)) return;
     if (inspect_output(option, file, kind, options.force) && !goes_on)
       words += compose("{} {} replaces {}\n", option, file, kind.name);
-    if (!file.empty() && !is_stream(file)) locks.emplace_back(file, compose("{} {}", option, file));
+    locks.emplace_back(file, compose("{} {}", option, file));
   };
   each("--json", options.json, results_output, false);
   each("--view", options.view, view_output, false);
