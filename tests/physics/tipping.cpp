@@ -200,6 +200,32 @@ TEST_CASE("towers of cylinders on a slope stand still from the first step on") {
       CHECK(way < 5e-6);
     }
 }
+TEST_CASE("a box almost over the rim of a flat cylinder is at rest from the first step on") {
+  for (const real dt : {1.0 / 60, 1.0 / 100, 1.0 / 240})
+    for (const real part : {0.75, 0.95})
+      for (const real turn : {0., 0.2, pi / 4, 1.})
+        for (const real height : {0.4, 1., 3.}) {
+          constexpr real r = 0.5;
+          const real h = height * r;
+          serial::link link;
+          world<scene<>> w{link};
+          w.material({.density = 1, .restitution = 0, .friction = 3});
+          w.gravity({0, 0, -g});
+          put_ground(w, ground::plane, 0, r);
+          const vec3 start(part * r * std::cos(turn), part * r * std::sin(turn), h + 0.3 * r);
+          w.add(body{.shape = cylinder{r, h},
+                     .position = {0, 0, h / 2},
+                     .orientation = rotation({0, 0, 1}, 0.3)});
+          const auto above = w.add(body{.shape = box{{3 * r, 3 * r, 0.6 * r}}, .position = start});
+          real way = 0;
+          for (int k = 0; k < static_cast<int>(std::lround(10 / dt)); ++k) {
+            w.step(dt);
+            way = std::max(way, (w[above].position() - start).norm() / r);
+          }
+          INFO(part, " of the radius, turned ", turn, ", height ", height, ", dt ", dt);
+          CHECK(way < 1e-6);
+        }
+}
 TEST_CASE("they do whatever their size and the time step, and with the reproducible solver") {
   for (const real part : {0.7, 0.95}) {
     check_alone<scene<>>({.part = part, .turn = 0.4, .size = 0.02, .dt = 1.0 / 1000});

@@ -123,13 +123,18 @@ class stalled_islands {
 
   /// In place of either for a single body on what cannot move. Its solution costs little, and what
   /// is left tilts it: on a seam between a fixed and a global body, whose contacts are in two
-  /// lists.
+  /// lists. A few bodies at rest on each other are left less than `negligible`.
   static constexpr real left_to_one = 1e-7;
 
   static bool is_single(const island& one) {
     return one.bodies == 1 && !one.jointed && std::is_same_v<typename State::number, real>;
   }
-  static real left_to_sweeps(const island& one) { return is_single(one) ? left_to_one : let_be; }
+  static bool is_few(const island& one) {
+    return one.bodies <= island::few_bodies && !one.jointed && !one.is_cluster();
+  }
+  static real left_to_sweeps(const island& one) {
+    return is_single(one) ? left_to_one : is_few(one) ? negligible : let_be;
+  }
   static real left_when_settled(const island& one) {
     return is_single(one) ? left_to_one : negligible;
   }
@@ -186,13 +191,15 @@ class stalled_islands {
     if (one.error() <= left_to_sweeps(one) * s.speed) return false;
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     const real sweeps = rows * rows * one.most_mass / one.least_mass;
-    // Not if the sweeps that it replaces cost less, as in wide heaps. For a slender body that
-    // stands on its own they are many more.
-    const real pays = is_single(one) ? std::numeric_limits<real>::infinity()
-                                     : sweep_cost * sweeps * static_cast<real>(contacts.size());
+    // A body whose load is near the rim of what carries it, as a box on a column, needs far more.
+    const bool flowing = flows(alone, s.speed);
+    const bool rests = is_single(one) || (is_few(one) && !flowing);
+    if (!rests && one.error() <= let_be * s.speed) return false;
+    // Not if the sweeps that it replaces cost less, as in wide heaps.
+    const real pays = rests ? std::numeric_limits<real>::infinity()
+                            : sweep_cost * sweeps * static_cast<real>(contacts.size());
     // The joints move what was solved here, so that it stalls again.
-    one.is_long =
-        !one.is_cluster() && !one.jointed && one.is_narrow(rows) && !flows(alone, s.speed);
+    one.is_long = !one.is_cluster() && !one.jointed && one.is_narrow(rows) && !flowing;
     const bool fails = one.is_long || (one.overloaded && !one.jointed);
     if (!fails && s.islands.spare() == 0) return false;
     if (!fails) s.islands.spend_spare(overhead * static_cast<real>(contacts.size()));
