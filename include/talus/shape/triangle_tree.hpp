@@ -139,8 +139,15 @@ struct triangle_tree {
     }
   }
 
+  using edge = std::pair<std::uint32_t, std::uint32_t>;
+  /// From an edge into triangle t, across the edge; unit length.
+  [[nodiscard]] vec3 into(std::uint32_t t, const edge& e) const {
+    const vec3 along = (vertices[e.second] - vertices[e.first]).normalized();
+    const vec3 way = (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3 - vertices[e.first];
+    return (way - along.dot(way) * along).normalized();
+  }
+
   void connect() {
-    using edge = std::pair<std::uint32_t, std::uint32_t>;
     std::map<edge, plain_vector<std::uint32_t>> users;
     first_of.assign(vertices.size(), none);
     for (std::uint32_t t = 0; t < triangles.size(); ++t)
@@ -152,7 +159,10 @@ struct triangle_tree {
     neighbours.resize(triangles.size());
     frayed.assign(vertices.size(), 0);
     std::vector<plain_vector<std::uint32_t>> joined(vertices.size());
-    for (const auto& [e, list] : users) {
+    for (auto& [e, list] : users) {
+      // A triangle that lies on another one, as two that divide a square otherwise, ends with it.
+      if (list.size() == 2 && (into(list[0], e) - into(list[1], e)).norm() <= real(1e-6))
+        list.clear();
       if (list.size() != 2) frayed[e.first] = frayed[e.second] = 1;
       joined[e.first].push_back(e.second);
       joined[e.second].push_back(e.first);
@@ -175,15 +185,10 @@ struct triangle_tree {
     const real near = real(1e-7) * bounding_radius;
     for (std::uint32_t t = 0; t < triangles.size() && !sharp; ++t)
       for (std::size_t k = 0; k < 3; ++k) {
-        const vec3 &a = corner(t, k), &b = corner(t, (k + 1) % 3);
-        const vec3 middle = real(0.5) * (a + b), along = (b - a).normalized();
-        // From the edge into a triangle, across the edge.
-        const auto into = [&](std::uint32_t other) {
-          const vec3 way = (corner(other, 0) + corner(other, 1) + corner(other, 2)) / 3 - middle;
-          return vec3((way - along.dot(way) * along).normalized());
-        };
+        const vec3 middle = real(0.5) * (corner(t, k) + corner(t, (k + 1) % 3));
+        const edge e(triangles[t][k], triangles[t][(k + 1) % 3]);
         const auto meet = [&](std::uint32_t other) {
-          sharp = sharp || into(t).dot(into(other)) > real(1e-6);
+          sharp = sharp || into(t, e).dot(into(other, e)) > real(1e-6);
         };
         if (neighbours[t][k] != none) {
           meet(neighbours[t][k]);
