@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <string>
 #include <talus/checkpoint.hpp>
+#include <talus/core/random.hpp>
 #include <talus/observe/digest.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/serial.hpp>
@@ -217,4 +218,65 @@ TEST_CASE(
   CHECK(slid<reproduced>(4, 1) == one);
   (void)slid<on_ranks<>>(2, 4);
   (void)slid<on_ranks<>>(4, 2);
+}
+
+TEST_CASE("a cylinder rolls at its speed over seams parallel to its axis, at any tilt and size") {
+  random_stream random(7);
+  INFO("seed 7");
+  enum floor { boxes, hulls, narrow };
+  for (const floor below : {boxes, hulls, narrow})
+    for (int k = 0; k < 200; ++k) {
+      const real size = std::pow(10, random.uniform(-3, 3)), speed = 0.05;
+      const real dt = k % 2 == 0 ? 1.0 / 240 : 1e-3,
+                 angle = k % 3 == 0 ? 0 : random.uniform(-0.3, 0.3);
+      const vec3 axis(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), 1);
+      const quat q = rotation(axis.normalized(), random.uniform(0, 3));
+      serial::link link;
+      world<scene_with<transport<serial>>> w(link);
+      w.material({.density = 1000, .restitution = 0, .friction = 0.5});
+      w.gravity(rotated(q, vec3(0, 0, -9.81 * size)));
+      const auto slab = [&](real from, real to, bool fixed) {
+        body<box> one{.shape = box{size * vec3(to - from, 2, 0.2)},
+                      .position = size * rotated(q, vec3(0.5 * (from + to), 0, -0.1)),
+                      .orientation = q,
+                      .fixed = fixed};
+        if (fixed)
+          w.add(one);
+        else
+          w.global([&](auto& scope) { scope.add(one); });
+      };
+      const auto hull = [&](std::vector<vec3> corners) {
+        for (vec3& p : corners) p = size * rotated(q, p);
+        const convex_polyhedron shape(corners);
+        const pose at = placed(shape);
+        w.global([&](auto& scope) {
+          scope.add(body{.shape = shape, .position = at.position, .orientation = at.orientation});
+        });
+      };
+      if (below == boxes) slab(-1, 0, false), slab(0, 1, false);
+      if (below == narrow)
+        for (int n = -3; n < 3; ++n) slab(0.02 * n, 0.02 * (n + 1), n % 3 == 0);
+      if (below == hulls) {
+        hull({{-1, -1, 0}, {0, -1, 0}, {0, 1, 0}, {-1, 1, 0}, {-1, 0, -0.3}, {0, 0, -0.3}});
+        hull({{0, -1, 0}, {1, -1, 0}, {1, 1, 0}, {0, 1, 0}, {0.4, 0, -0.5}});
+      }
+      const vec3 ahead(std::cos(angle), std::sin(angle), 0), v = size * speed * rotated(q, ahead);
+      const int steps = static_cast<int>(0.05 / (speed * dt));
+      const vec3 start = vec3(random.uniform(-1, 1) * 1e-3, random.uniform(-0.01, 0.01), 0.02) -
+                         0.5 * steps * dt * speed * ahead;
+      const auto roller =
+          w.add(body{.shape = cylinder{0.02 * size, 0.05 * size},
+                     .position = size * rotated(q, start),
+                     .velocity = v,
+                     .angular_velocity = rotated(q, vec3(0, 0, 1)).cross(v) / (0.02 * size),
+                     .orientation = q * rotation({0, 0, 1}, angle) * rotation({1, 0, 0}, pi / 2)});
+      real error = 0;
+      for (int i = 0; i < steps; ++i) {
+        w.step(dt);
+        error = std::max(error, (w[roller].velocity() - v).norm() / v.norm());
+      }
+      CAPTURE(static_cast<int>(below));
+      CAPTURE(k);
+      CHECK(error < 1e-6);
+    }
 }

@@ -188,25 +188,35 @@ class flush_surface {
   }
 
   /// The point q of a solid on its edge or at its corner, if it is near one that has the normal n.
-  /// Searches for curved bodies give points beside it, by less than that.
+  /// Searches for curved bodies give points beside it: the further, the more n leans over the edge.
   template <class Solid>
   [[nodiscard]] vec3 on_edge(const Solid& solid, vec3 q, const vec3& n) const {
     constexpr real along = 1e-6;
-    const real near = real(1e-4) * c_.radius;
+    real near = real(2e-3) * c_.radius;
     vec3 first(0, 0, 0);  // the face that is most along n
     solid.each_face([&](const vec3& m, real offset) {
       if (offset - m.dot(q) <= near && m.dot(n) > std::max(along, first.dot(n))) first = m;
       return true;
     });
+    solid.each_face([&](const vec3& m, real offset) {
+      if (m == first) q += (offset - m.dot(q)) * m;
+      return true;
+    });
     // The others at an edge with this normal are along what is left of it, also where both lean.
+    // The point stays in the first face.
     const vec3 left = n - first.dot(n) * first;
+    near = std::clamp(real(0.1) * left.norm() * c_.radius, real(0.05) * near, near);
     bool more = true;
-    for (int k = 0; k < 8 && more; ++k) {  // faces need not be at right angles
+    for (int k = 0; k < 8 && more; ++k) {
       more = false;
       solid.each_face([&](const vec3& m, real offset) {
         const real below = offset - m.dot(q);
-        if (below > 0 && below <= near && (m == first || m.dot(left) > along))
-          q += below * m, more = true;
+        if (m == first || std::abs(below) > near || m.dot(left) <= along) return true;
+        const vec3 way = m - m.dot(first) * first;
+        const real square = way.squaredNorm();
+        if (std::abs(below) > real(10) * near * square) return true;
+        q += (below / square) * way;
+        more = more || std::abs(below) > real(1e-6) * near;
         return true;
       });
     }

@@ -116,6 +116,9 @@ class stalled_islands {
   static constexpr int tall = 8;
   /// Cheaper islands are solved by contacts, which is as good for a few.
   static constexpr real few = 4e6;
+  /// Operations for each contact from which a body on many points, or a few such bodies, are solved
+  /// by bodies.
+  static constexpr real many_points = 2.5e4;
   /// The fraction of solver_state::speed that may be left as error.
   static constexpr real let_be = 0.1;
   /// The fraction of solver_state::speed up to which an error needs no more sweeps, and no balance.
@@ -211,7 +214,8 @@ class stalled_islands {
       else
         s.islands.spend_spare(used);
     };
-    if (cost <= std::min<real>(few, left / 2)) {
+    const real most = rests ? many_points * static_cast<real>(contacts.size()) : few;
+    if (cost <= std::min<real>(most, left / 2)) {
       solve_by_contacts(one, alone, order, cost, found, s, left);
       spend(before - left);
       s.islands.solved();
