@@ -58,13 +58,14 @@ convex_polyhedron cube_hull(real edge) {
 
 /// The force on a sphere at rest that overlaps a wall by `overlap`.
 template <class AddWall>
-real force_on_sphere(real radius, real overlap, AddWall&& add_wall) {
+real force_on_sphere(real radius, real overlap, AddWall&& add_wall,
+                     const vec3& at = {0.03, -0.11, 0}) {
   serial::link link;
   world<walled<hertz>> w(link);
   w.material({.youngs_modulus = 1e7, .poisson_ratio = 0.3});
   add_wall(w);
   const auto ball =
-      w.add(body{.shape = sphere{radius}, .position = {0.03, -0.11, radius - overlap}});
+      w.add(body{.shape = sphere{radius}, .position = at + vec3(0, 0, radius - overlap)});
   w.synchronize();
   return contact_force(w, ball)[2];
 }
@@ -117,6 +118,49 @@ TEST_CASE("a flat wall of any shape repels a Hertzian sphere like a plane") {
   check("global hull", global(cube_hull(2), {0, 0, -1}));
   check("fixed hull", fixed(cube_hull(2), {0, 0, -1}));
   check("fixed mesh", fixed(square(2, 1), {0, 0, 0}));
+}
+
+TEST_CASE("a fine mesh repels a sphere beside its vertices and edges like a plane") {
+  std::vector<triangle_mesh::triangle> wedges;  // with T-junctions, blunt corners and slivers
+  for (int i = -4; i < 4; ++i) {
+    const real x = 0.1 * i, right = x + 0.1;
+    const vec3 a(x, -1, 0), b(right, -1, 0), c(right, 1, 0), d(x, 1, 0), m(right - 5e-5, 0, 0);
+    for (const auto& t : {triangle_mesh::triangle{a, b, m}, {b, c, m}, {c, d, m}, {d, a, m}})
+      wedges.push_back(t);
+  }
+  wedges.push_back({vec3(0.4, -1, 0), vec3(1, 0, 0), vec3(0.4, 0.1, 0)});
+  wedges.push_back({vec3(0.4, 0.1, 0), vec3(1, 0, 0), vec3(0.4, 1, 0)});
+  const auto put = [](const triangle_mesh& mesh) {
+    return [=](auto& w) { w.global([&](auto& scope) { scope.add(mesh, material_id{}); }); };
+  };
+  const auto beside = [](real x, real side) {
+    return [=](auto& w) {
+      w.global([&](auto& s) { s.add(box{{side, 2, 1}}, {}, {x + side / 2, 0, -0.5}); });
+    };
+  };
+  const auto tiles = [&](auto& w) {
+    for (const real x : {-0.5, 0.0, 0.02}) beside(x, x < 0 ? 0.5 : x > 0 ? 0.5 : 0.02)(w);
+  };
+  const auto on_plane = [](auto& w) { w.global([](auto& s) { s.add(plane{}, {}); }); };
+  for (const real radius : {0.003, 0.25}) {
+    const real overlap = 1e-3 * radius, right = force_on_sphere(radius, overlap, on_plane);
+    for (const real off : {0.0, 1e-16, 1e-12, 1e-10, 3e-9, 1e-8, 1e-7, 1e-6, 1e-4})
+      for (const vec3& way : {vec3(1, 0, 0), vec3(0, 1, 0), vec3(-0.6, 0.8, 0)}) {
+        CAPTURE(radius);
+        CAPTURE(off);
+        CAPTURE(way[0]);
+        const auto check = [&](auto&& add_wall, const vec3& at) {
+          CHECK(force_on_sphere(radius, overlap, add_wall, at + off * way) ==
+                doctest::Approx(right).epsilon(1e-6));
+        };
+        check(put(square(2, 20)), {0, 0, 0});
+        check(put(square(2, 20)), {0, 0.04, 0});
+        check(put(square(2, 20)), {0.04, 0.04, 0});
+        check(put(triangle_mesh(wedges)), {0.4, 0.1, 0});
+        check(put(triangle_mesh(wedges)), {0, 0, 0});
+        check(tiles, {0, 0.1, 0}), check(tiles, {0.02, 0, 0});
+      }
+  }
 }
 
 TEST_CASE("bodies at rest on soft walls stay there at a fifth of the critical time step") {

@@ -115,11 +115,11 @@ template <class Solid>
     return beside::apart;
   return solid.support(n) - n.dot(p) <= tolerance ? beside::agrees : beside::covers;
 }
-/// Whether the point is over the faces of a solid that have this normal, or under them.
+/// Whether the point is over the faces of a solid that have about this normal, or under them.
 template <class Solid>
 [[nodiscard]] bool lies_over(const Solid& solid, const vec3& p, const vec3& n) {
   return solid.each_face([&](const vec3& m, real offset) {
-    return m.cross(n).norm() <= real(1e-6) || m.dot(p) - offset <= 0;
+    return m.cross(n).norm() <= real(1e-3) || m.dot(p) - offset <= 0;
   });
 }
 /// Whether the way from one point to another leads through the solid, deeper than the tolerance.

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/detect/flush.hpp"
@@ -55,7 +56,7 @@ class flush_surface {
 
  public:
   flush_surface(state_type& s, const contact_with_fixed& c)
-      : s_(s), c_(c), point_(c.point), depth_(depth_part * c.radius) {
+      : s_(s), c_(c), point_(c.point), normal_(c.normal), depth_(depth_part * c.radius) {
     // A body that is followed falls freely until its impact.
     if constexpr (state_type::continuous)
       depth_ = std::max(depth_, 2 * s.gravity.norm() * s.dt * s.dt);
@@ -66,22 +67,25 @@ class flush_surface {
     point_ = on_body(number);
     const auto& f = s_.flush;
     const bool half_space = f.all[number].radius == 0;
-    bool hidden = false;
+    bool hidden = false, levelled = !c_.round;
     f.each_near(number, point_, reach_of(number), [&](std::uint32_t other) {
+      if (!std::exchange(levelled, true)) normal_ = of_face(number);
       if constexpr (state_type::has_joints)  // it has no contacts with the movable body
         if (s_.joints.joined(c_.id, f.all[other].id)) return true;
       if constexpr (state_type::filters)
         if (!touches(other)) return true;
       const real tolerance = tolerance_of(number, other);
       each_solid(other, point_, tolerance, [&](const auto& solid, const pose& at) {
-        const vec3 p = at.to_body(point_), n = to_body(at, c_.normal);
+        const vec3 p = at.to_body(point_), n = to_body(at, normal_);
         const beside how = stands_beside(solid, p, n, tolerance);
         if (how == beside::covers)
           hidden = !half_space && stay_together(number, other) &&
                    !goes_on(number, solid, at, p, tolerance);
-        else if (how == beside::agrees && c_.round && lies_over(solid, at.to_body(c_.centre), n))
+        else if (how == beside::agrees && c_.round) {
           // Both have the same contact.
-          hidden = comes_first(other, number) || !is_under(number, tolerance);
+          const bool over = lies_over(solid, at.to_body(c_.centre), n);
+          hidden = over == is_under(number, tolerance) ? comes_first(other, number) : over;
+        }
         return !hidden;
       });
       return !hidden;
@@ -255,11 +259,20 @@ class flush_surface {
     });
     return p;
   }
+  /// The normal of the face of the body from which that of the contact differs as little as beside
+  /// an edge within round-off.
+  [[nodiscard]] vec3 of_face(std::uint32_t number) const {
+    vec3 n = c_.normal;
+    each_face_at(number, point_, flush_part * s_.flush.all[number].radius, [&](const vec3& face) {
+      if (face.cross(c_.normal).norm() <= level_of_curved && face.dot(c_.normal) > 0) n = face;
+    });
+    return n;
+  }
   /// Whether the body is below the centre of the other one.
   [[nodiscard]] bool is_under(std::uint32_t number, real tolerance) const {
     bool under = false;
     each_solid(number, point_, tolerance, [&](const auto& solid, const pose& at) {
-      const vec3 n = to_body(at, c_.normal);
+      const vec3 n = to_body(at, normal_);
       under = stands_beside(solid, at.to_body(point_), n, tolerance) == beside::agrees &&
               lies_over(solid, at.to_body(c_.centre), n);
       return !under;
@@ -425,7 +438,8 @@ class flush_surface {
 
   state_type& s_;
   const contact_with_fixed& c_;
-  vec3 point_;  ///< on the body whose contact it is
+  vec3 point_;   ///< on the body whose contact it is
+  vec3 normal_;  ///< of the contact, or of the face there if they are the same
   real depth_;
 };
 

@@ -159,6 +159,21 @@ class triangles_near {
     });
     return hidden;
   }
+  /// Whether one of the triangles that have the corner q comes nearer to the centre of a sphere, by
+  /// a point at least `near` away: where corners are blunt, the ways along edges do not tell.
+  [[nodiscard]] bool come_nearer(const triangle_tree& m, const vec3& q, const vec3& centre,
+                                 real near) const {
+    bool nearer = false;
+    each([&](std::uint32_t t) {
+      if (nearer) return;
+      const vec3 &a = m.corner(t, 0), &b = m.corner(t, 1), &c = m.corner(t, 2);
+      const vec3 foot = nearest_on_triangle(centre, a, b, c).at;
+      nearer = (foot - q).squaredNorm() > near * near &&
+               (foot - centre).squaredNorm() < (q - centre).squaredNorm() &&
+               (nearest_on_triangle(q, a, b, c).at - q).squaredNorm() <= near * near;
+    });
+    return nearer;
+  }
 
  private:
   std::array<std::uint32_t, 64> few_;  ///< the first of them
@@ -211,6 +226,53 @@ class felt_points {
   std::array<vec3, 32> points_;
   std::size_t size_ = 0;
   real square_;
+};
+
+/// The points of triangles that are nearest to the centre of a sphere, one for each place of the
+/// surface: a triangle that has another of them within `near`, but comes nearer, has its own.
+class sphere_feet {
+ public:
+  struct point {
+    vec3 at, normal;
+    real gap;
+    std::uint32_t triangle;
+    bool inside;  ///< of the triangle, not on its edge or at its corner
+  };
+  explicit sphere_feet(real near) : near_(near) {}
+  /// Returns false if there is no room.
+  bool add(const point& p) {
+    if (size_ == points_.size()) return false;
+    points_[size_++] = p;
+    return true;
+  }
+  /// Calls f(triangle, normal, gap) for the points that are kept.
+  template <class F>
+  void each(const triangle_tree& m, F&& f) const {
+    for (std::size_t k = 0; k < size_; ++k)
+      if (const point& p = points_[k]; size_ == 1 || !is_repeated(m, k))
+        f(p.triangle, p.normal, p.gap);
+  }
+
+ private:
+  [[nodiscard]] bool is_repeated(const triangle_tree& m, std::size_t k) const {
+    // Round-off has no effect on whether a point inside of a triangle is preferred.
+    const auto height = [&](const point& p) { return p.gap - (p.inside ? real(1e-6) * near_ : 0); };
+    const point& p = points_[k];
+    for (std::size_t n = 0; n < size_; ++n) {
+      const point& other = points_[n];
+      const real higher = height(other) - height(p);
+      if (n == k || higher > 0 || (higher == 0 && n > k)) continue;
+      const std::uint32_t t = other.triangle;
+      const vec3 way =
+          nearest_on_triangle(p.at, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)).at - p.at;
+      if (way.squaredNorm() <= near_ * near_) return true;
+    }
+    return false;
+  }
+
+  std::array<point, 32> points_;
+  std::size_t size_ = 0;
+  real near_;
 };
 
 }  // namespace talus::detail

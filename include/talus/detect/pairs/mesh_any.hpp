@@ -87,9 +87,15 @@ void collide(const A& a, const pose& pa, const sphere& b, const pose& pb, real m
   const vec3 centre = pa.to_body(pb.position);
   const real reach = b.radius + margin;
   const vec3 around(reach, reach, reach);
-  detail::felt_points felt(real(1e-9) * b.radius);
+  const real close = real(1e-6) * b.radius;
+  detail::sphere_feet feet(close);
   detail::triangles_near near;
   a.each_within(centre, around, b.radius, [&](std::uint32_t t) { near.add(t); });
+  const auto touch = [&](std::uint32_t t, const vec3& normal, real gap) {
+    const vec3 up = rotated(pa.orientation, normal);
+    sink(contact_geometry{-up, pb.position - up * (b.radius + real(0.5) * gap), gap,
+                          detail::feature_of(t, 0)});
+  };
   near.each([&](std::uint32_t t) {
     const auto q =
         detail::nearest_on_triangle(centre, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2));
@@ -100,12 +106,12 @@ void collide(const A& a, const pose& pa, const sphere& b, const pose& pb, real m
     const bool inside = q.edge < 0 && q.corner < 0;
     const real gap = distance - b.radius;
     if (!(inside || detail::nearest_of_surface(m, t, q, normal)) ||
-        near.hide(m, t, q.at, normal, gap, real(1e-6) * b.radius) || !felt.add(q.at))
+        near.hide(m, t, q.at, normal, gap, close) ||
+        (q.corner >= 0 && near.come_nearer(m, q.at, centre, close)))
       return;
-    const vec3 up = rotated(pa.orientation, normal);
-    sink(contact_geometry{-up, pb.position - up * (b.radius + real(0.5) * gap), gap,
-                          detail::feature_of(t, 0)});
+    if (!feet.add({q.at, normal, gap, t, inside})) touch(t, normal, gap);
   });
+  feet.each(m, touch);
 }
 
 /// Calls `sink(contact_geometry)` for the points of each triangle with a gap of at most `margin`,
