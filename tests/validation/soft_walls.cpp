@@ -18,6 +18,7 @@
 #include <talus/shape/triangle_mesh.hpp>
 #include <talus/shape/union_of.hpp>
 #include <talus/world/world.hpp>
+#include <utility>
 #include <vector>
 
 using namespace talus;
@@ -160,6 +161,37 @@ TEST_CASE("a fine mesh repels a sphere beside its vertices and edges like a plan
         check(put(triangle_mesh(wedges)), {0, 0, 0});
         check(tiles, {0, 0.1, 0}), check(tiles, {0.02, 0, 0});
       }
+  }
+}
+
+TEST_CASE("a sphere rolls over the triangles of a mesh as over a plane") {
+  const auto rolled = [](auto&& add_wall) {
+    serial::link link;
+    world<walled<hertz>> w(link);
+    const real r = 0.05, dt = 2e-4;
+    w.gravity({0, 0, -g});
+    w.material({.density = 1000,
+                .restitution = 0.5,
+                .friction = 0.5,
+                .youngs_modulus = 1e6,
+                .poisson_ratio = 0.3,
+                .rolling_friction = 0.02});
+    add_wall(w);
+    const vec3 v(0.3, 0.4, 0);
+    const auto ball = w.add(body{.shape = sphere{r},
+                                 .position = {-0.1, 0.003, r},
+                                 .velocity = v,
+                                 .angular_velocity = vec3(0, 0, 1 / r).cross(v)});
+    for (int k = 0; k < 2500; ++k) w.step(dt);
+    return std::pair(w[ball].position(), vec3(r * w[ball].angular_velocity()));
+  };
+  const auto [right, spin] = rolled([](auto& w) { w.global([](auto& s) { s.add(plane{}, {}); }); });
+  for (const int n : {1, 50, 200}) {
+    CAPTURE(n);
+    const auto [at, turn] =
+        rolled([&](auto& w) { w.global([&](auto& s) { s.add(square(2, n), material_id{}); }); });
+    CHECK((at - right).norm() < 1e-9);
+    CHECK((turn - spin).norm() < 1e-9);
   }
 }
 

@@ -26,6 +26,7 @@
 #include "talus/state/state.hpp"
 #include "talus/step/detect.hpp"
 #include "talus/step/finite_motion.hpp"
+#include "talus/step/passing_contacts.hpp"
 #include "talus/step/sphere_forces.hpp"
 
 namespace talus::detail {
@@ -54,6 +55,9 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     o(k, p, p, p, f, true);
   };
   static constexpr bool remembers = state_type::law::remembers;
+  /// Whether contacts may pass from triangle to triangle.
+  static constexpr bool passing =
+      remembers && ShapeB::finite && is_triangulated<ShapeA> != is_triangulated<ShapeB>;
   /// Whether the force rotates a body of this shape.
   template <class Shape>
   static constexpr bool turns = !law::central || !Shape::isotropic;
@@ -94,6 +98,9 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
 
  private:
   using memory_type = typename law::memory;
+  using kept =
+      typename state_type::history_type::memory;  ///< what a contact leaves to the next step
+  struct none_pass {};
 
   /// `last` is the place of the memories of the last step, and becomes the place of the new ones.
   [[gnu::always_inline]] inline void meet(std::size_t i, std::size_t j, history_place& last) {
@@ -110,6 +117,37 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     const bool boundary = x.crosses_ranks();
     const real range = range_of(x);
     last = history_place::none;
+    const auto key_of = [&](const contact_geometry& g) {
+      return contact_key{a_.id[i], b_.id[j], g.feature};
+    };
+    const auto take = [&](const contact_geometry& g, const kept* old)
+        __attribute__((always_inline)) {
+      const contact_key key = key_of(g);
+      const bool counts = x.own_a || !boundary;
+      const pair_force f = add(x, g, key, counts, old, last);
+      if constexpr (surveyed) {
+      } else if constexpr (watches_geometry) {
+        observer_(key, g, f.force, counts);
+      } else if constexpr (watches_loads) {
+        // As in add(): for immovable bodies the point is on their surface.
+        const real inwards = paired ? 0 : real(0.5) * g.gap;
+        observer_(key, vec3(g.point + inwards * g.normal), position_a(x), position_b(x), f, counts);
+      } else if constexpr (observed) {
+        observer_(key, f.force, x.own_a || !x.moves_a, x.own_b || !x.moves_b);
+      } else {
+        if (law::reaches && g.gap >= 0 && is_zero(f)) return;
+        if constexpr (residual) {
+          if (counts) s_.soft.squares_of_forces += f.force.squaredNorm();
+          s_.soft.bodies[first_a_ + x.i].contacts += 1;
+          if constexpr (paired) s_.soft.bodies[first_b_ + body_b(x)].contacts += 1;
+        }
+        auto& count = std::get<soft_contacts>(s_.contacts);
+        ++(counts ? count.here : count.doubled);
+        if constexpr (monitored<Scenario, penetration_monitor>)
+          if (counts) s_.monitors.overlaps.add(g.gap);
+      }
+    };
+    if constexpr (passing) passing_.begin();
     collide_pair(
         a_.shape[i], pose_a(x), this->shape_b(i, j), pose_b(x),
         range, [&](const contact_geometry& g) __attribute__((always_inline)) {
@@ -120,32 +158,24 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
             last = history_place::unknown;
             return;
           }
-          const contact_key key{a_.id[i], b_.id[j], g.feature};
-          const bool counts = x.own_a || !boundary;
-          const pair_force f = add(x, g, key, counts, before, last);
-          if constexpr (surveyed) {
-          } else if constexpr (watches_geometry) {
-            observer_(key, g, f.force, counts);
-          } else if constexpr (watches_loads) {
-            // As in add(): for immovable bodies the point is on their surface.
-            const real inwards = paired ? 0 : real(0.5) * g.gap;
-            observer_(key, vec3(g.point + inwards * g.normal), position_a(x), position_b(x), f,
-                      counts);
-          } else if constexpr (observed) {
-            observer_(key, f.force, x.own_a || !x.moves_a, x.own_b || !x.moves_b);
-          } else {
-            if (law::reaches && g.gap >= 0 && is_zero(f)) return;
-            if constexpr (residual) {
-              if (counts) s_.soft.squares_of_forces += f.force.squaredNorm();
-              s_.soft.bodies[first_a_ + x.i].contacts += 1;
-              if constexpr (paired) s_.soft.bodies[first_b_ + body_b(x)].contacts += 1;
-            }
-            auto& count = std::get<soft_contacts>(s_.contacts);
-            ++(counts ? count.here : count.doubled);
-            if constexpr (monitored<Scenario, penetration_monitor>)
-              if (counts) s_.monitors.overlaps.add(g.gap);
-          }
+          const kept* old = nullptr;
+          if constexpr (remembers) old = s_.history.former(before, key_of(g));
+          if constexpr (passing)
+            if (!passing_.stays(g, old != nullptr || before == history_place::none)) return;
+          take(g, old);
         });
+    if constexpr (passing)
+      for (const contact_geometry& g : passing_.others()) {
+        const auto find = [&](const auto& mesh, const pose& at, real side, const auto& other) {
+          return passing_.former(s_.history, before, key_of(g), mesh.tree(),
+                                 at.to_body(g.point + side * g.gap * g.normal),
+                                 other.bounding_radius());
+        };
+        if constexpr (is_triangulated<ShapeA>)
+          take(g, find(a_.shape[i], pose_a(x), 0.5, b_.shape[j]));
+        else
+          take(g, find(b_.shape[j], pose_b(x), -0.5, a_.shape[i]));
+      }
   }
   /// The range beyond touch of the law for this pair: for shapes with curvatures, where they are
   /// flattest; the law itself ends where it should.
@@ -167,8 +197,8 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
   }
   [[gnu::always_inline]] inline pair_force add(const body_pair& x, const contact_geometry& g,
-                                               const contact_key& key, bool counts,
-                                               history_place before, history_place& last) {
+                                               const contact_key& key, bool counts, const kept* old,
+                                               history_place& last) {
     const std::size_t i = x.i, j = x.j;
     soft_body& A = s_.soft.bodies[first_a_ + i];
     vec3 arm_a = g.point - position_a(x), arm_b{0, 0, 0};
@@ -217,7 +247,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
 
     memory_type memory;
     if constexpr (remembers)
-      if (const auto* old = s_.history.former(before, key)) memory = *old;
+      if (old != nullptr) memory = *old;
     const auto& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
     s_.soft.pairs.require_known(pair, a_.material[i], b_.material[j]);
     if constexpr (surveyed) {
@@ -228,7 +258,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     std::conditional_t<booked, booked_contact, not_booked> books;
     const pair_force f = law::force(t, pair, observed ? 0 : s_.dt, memory, books);
     if constexpr (observed) return f;
-    (void)counts, (void)before, (void)last;
+    (void)counts, (void)old, (void)last;
     if (!law::reaches || g.gap < 0)
       s_.soft.fastest_approach = std::max(s_.soft.fastest_approach, -t.normal.dot(t.velocity));
     if constexpr (remembers) {
@@ -300,6 +330,8 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   }
 
   Observer& observer_;
+  [[no_unique_address]] std::conditional_t<passing, passing_contacts<law, kept>, none_pass>
+      passing_{};
 };
 
 /// Calls f(store, index of its first body in soft.bodies) for the bodies that can move.

@@ -27,6 +27,11 @@ inline constexpr bool is_surface =
   return parts | (std::uint64_t{triangle} & 0xfff) << 4 | std::uint64_t{triangle >> 12} << 48;
 }
 
+[[nodiscard]] inline std::uint32_t triangle_of(std::uint64_t feature) {
+  return static_cast<std::uint32_t>((feature >> 4 & 0xfff) | feature >> 48 << 12);
+}
+inline constexpr std::uint64_t other_parts = 0x0000ffffffff0000;  ///< of the other body
+
 /// One triangle as a polyhedron without thickness.
 class flat_polyhedron {
  public:
