@@ -196,6 +196,37 @@ TEST_CASE_TEMPLATE("a solid on a flat surface is held as by a plane, without a p
   }
 }
 
+TEST_CASE("a body that enters a fine mesh has the contact points that it has with a plane") {
+  std::vector<vec3> corners;
+  for (int k = 0; k < 6; ++k)
+    for (const real z : {-0.4, 0.4})
+      corners.emplace_back(std::cos(k * pi / 3), std::sin(k * pi / 3), z);
+  const auto check = [](const auto& shape, real height) {
+    for (const int n : {8, 80, 133}) {
+      const triangle_mesh m(flat(n, 8));
+      for (const real deep : {1e-6, 1e-3, 3e-3, 6e-3})
+        for (int k = 0; k < 20; ++k) {
+          CAPTURE(n);
+          CAPTURE(deep);
+          CAPTURE(k);
+          const pose at{{0.137 * (k % 7), -0.171 * (k % 11), height - deep},
+                        rotation({0, 0, 1}, 0.1 * k)};
+          const auto found = contacts(m, placed(m), shape, at, 0);
+          std::size_t count = 0;
+          collide_pair(shape, at, plane{}, pose{}, 0, [&](const contact_geometry& c) {
+            ++count;
+            real apart = 1;
+            for (const auto& f : found) apart = std::min(apart, (f.point - c.point).norm());
+            CHECK(apart < 1e-6);
+          });
+          CHECK(found.size() == count);
+        }
+    }
+  };
+  check(box{{2, 2, 0.8}}, 0.4), check(box{{0.4, 3, 0.8}}, 0.4);
+  check(convex_polyhedron(corners), 0.4);
+}
+
 TEST_CASE("a tilted plane of corners in single precision is one face") {
   const quat tilt = rotation({0.3, 1, 0.2}, 0.37);
   for (const int n : {4, 40}) {

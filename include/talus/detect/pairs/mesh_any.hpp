@@ -151,7 +151,14 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
       const real height = side.dot(m.corner(t, 0) - there.position);
       if (!level.add(one, rotated(pa.orientation, side), height)) sink(one);
     };
+    // Whether the body leaves the plane of the triangle sooner over an edge, as the upper one of a
+    // wall that reaches a little into a body above it.
+    const auto leaves = [&](real gap, const vec3& at) {
+      return gap < 0 && -gap > 4 * near.distance_to_bend(m, t, at);
+    };
     int tilted = 0;  // the side from which the body leans on the triangle
+    bool sideways = false;
+    const bool under = m.normals[t].dot(there.position - m.corner(t, 0)) < 0;
     for (const contact_geometry& c : contact.find()) {
       const vec3 up = rotated(back.orientation, -c.normal);  // from the surface to the body
       const real straight = m.normals[t].dot(up);
@@ -164,12 +171,12 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
       } else if (!inside && detail::nearest_of_surface(m, t, q, up)) {
         if (felt.add(q.at))
           sink(contact_geometry{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)});
-      } else if (std::abs(straight) > real(0.7) && near.is_wide(m, t, real(0.05) * size * size)) {
-        tilted = straight < 0 ? -1 : 1;
+      } else if (near.is_wide(m, t, real(0.05) * size * size)) {
+        sideways = std::abs(straight) <= real(0.7);
+        tilted = (sideways ? under : straight < 0) ? -1 : 1;
       } else {
         // The direction does not belong to the surface. Use the lowest point of the body, if it is
         // over this triangle.
-        const bool under = m.normals[t].dot(there.position - m.corner(t, 0)) < 0;
         const vec3 side = under ? vec3(-m.normals[t]) : m.normals[t];
         const vec3 above = rotated(pa.orientation, side);
         const vec3 lowest = view_b.support(-above) - view_b.rounding() * above;
@@ -177,10 +184,7 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
         const vec3 below = back.to_world(middle + lowest);
         const auto foot =
             detail::nearest_on_triangle(below, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2));
-        // Unless the body leaves it sooner over an edge, as the upper one of a wall that reaches a
-        // little into a body above it.
-        if (gap <= margin && foot.edge < 0 && foot.corner < 0 &&
-            (gap >= 0 || -gap <= 4 * near.distance_to_bend(m, t, foot.at)) &&
+        if (gap <= margin && foot.edge < 0 && foot.corner < 0 && !leaves(gap, foot.at) &&
             !is_covered(detail::place_on_triangle(m, t, foot.at, real(1e-6) * size), side) &&
             felt.add(foot.at))
           sink(contact_geometry{-above, middle + lowest - real(0.5) * gap * above, gap,
@@ -192,7 +196,8 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
     for (const contact_geometry& c : contact.over_face(tilted < 0 ? 1 : 0)) {
       const vec3 at = back.to_world(c.point) - real(0.5) * c.gap * side;
       const auto q = detail::place_on_triangle(m, t, at, real(1e-6) * size);
-      if (!near.hide(m, t, q.at, side, c.gap, real(1e-6) * size) && !is_covered(q, side))
+      if (!near.hide(m, t, q.at, side, c.gap, real(1e-6) * size) && !is_covered(q, side) &&
+          !(sideways && leaves(c.gap, q.at)))
         add_level(c, side);
     }
   });
