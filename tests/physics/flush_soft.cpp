@@ -1,10 +1,11 @@
-// Flush fixed bodies are one surface for soft contacts: spheres rest, slide and roll on them as on
-// one body.
+// Flush fixed bodies are one surface for soft contacts: spheres rest, slide and roll on them, and
+// boxes stand on them, as on one body.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <talus/observe/force.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/shape/box.hpp>
 #include <talus/shape/sphere.hpp>
@@ -98,4 +99,42 @@ TEST_CASE("a sphere of soft contacts slides and rolls over seams at its speed") 
         CHECK(c.height < 1e-6 * R);
         CHECK(c.spin * R < 1e-6 * std::abs(speed));
       }
+}
+
+TEST_CASE("a box of soft contacts stands on flush bodies as on one body") {
+  auto floors = soft_floors();
+  floors.push_back([](auto& w) {
+    for (const real x : {-0.5, 0.5})
+      for (const real y : {-0.5, 0.5}) put_box(w, {1, 1, 0.2}, {x, y, -0.1});
+  });
+  floors.push_back([](auto& w) {
+    for (int k = -10; k < 10; ++k) put_box(w, {0.02, 2, 0.2}, {0.02 * k + 0.01, 0, -0.1});
+  });
+  const auto stand = [](const auto& floor, const vec3& at, real turn, int steps) {
+    serial::link link;
+    world<soft_scene> w(link);
+    w.gravity({0, 0, -g});
+    w.material({.density = 1000, .restitution = 0.1, .friction = 0.5, .stiffness = stiffness});
+    floor(w);
+    const auto h = w.add(body{.shape = box{{0.1, 0.06, 0.04}},
+                              .position = at + vec3(0, 0, 0.02 - 4e-6),
+                              .orientation = rotation({0, 0, 1}, turn)});
+    w.synchronize();
+    const vec3 force = contact_force(w, h);
+    for (int k = 0; k < steps; ++k) w.step(2e-5);
+    return std::pair(force, vec3(w[h].position() - at));
+  };
+  for (const vec3& at :
+       {vec3(0, 0, 0), vec3(0.05, 0.03, 0), vec3(0.013, 0, 0), vec3(0.049999, 1e-9, 0)})
+    for (const real turn : {0.0, 0.3}) {
+      CAPTURE(at[0]);
+      CAPTURE(turn);
+      const auto [right, rest] = stand(floors[0], at, turn, 1000);
+      for (std::size_t k = 1; k < floors.size(); ++k) {
+        CAPTURE(k);
+        const auto [force, place] = stand(floors[k], at, turn, 1000);
+        CHECK((force - right).norm() < 1e-6 * right.norm());
+        CHECK((place - rest).norm() < 1e-9);
+      }
+    }
 }

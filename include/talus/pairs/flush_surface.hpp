@@ -42,6 +42,18 @@ inline constexpr bool is_rounded = !has_flat_faces<Shape>;
 template <class... Parts>
 inline constexpr bool is_rounded<union_of<Parts...>> = (... && is_rounded<Parts>);
 
+/// Calls f(store, index) for a body that may be flush.
+template <class Scenario, class F>
+void with_flush_body(const world_state<Scenario>& s, std::uint32_t number, F&& f) {
+  const flush_body& one = s.flush.all[number];
+  s.each_shape([&](const auto& b) {
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+    if constexpr (is_solid_beside<shape>)
+      if (index_of<typename Scenario::shapes, shape> == one.shape)
+        f(one.global ? b.global : b.movable, one.index);
+  });
+}
+
 /// Finds the contacts with flush bodies that are not on their common surface.
 template <class Scenario>
 class flush_surface {
@@ -99,13 +111,7 @@ class flush_surface {
   }
   template <class F>
   void with_body(std::uint32_t number, F&& f) const {
-    const flush_body& one = s_.flush.all[number];
-    s_.each_shape([&](const auto& b) {
-      using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
-      if constexpr (is_solid_beside<shape>)
-        if (index_of<typename Scenario::shapes, shape> == one.shape)
-          f(one.global ? b.global : b.movable, one.index);
-    });
+    with_flush_body(s_, number, f);
   }
   /// Whether features let the movable body touch the one with this number.
   [[nodiscard]] bool touches(std::uint32_t number) const {

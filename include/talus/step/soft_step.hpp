@@ -19,6 +19,7 @@
 #include "talus/interaction/pair_kinematics.hpp"
 #include "talus/motion/integrate.hpp"
 #include "talus/pairs/flush_bodies.hpp"
+#include "talus/pairs/flush_corners.hpp"
 #include "talus/pairs/flush_surface.hpp"
 #include "talus/pairs/found_pairs.hpp"
 #include "talus/pairs/neighbour_list.hpp"
@@ -58,6 +59,9 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   /// Whether contacts may pass from triangle to triangle.
   static constexpr bool passing =
       remembers && ShapeB::finite && is_triangulated<ShapeA> != is_triangulated<ShapeB>;
+  /// Whether fixed bodies may lie flush beside each other under a body.
+  static constexpr bool seams = may_cross_seams<Scenario, ShapeB, ShapeA> ||
+                                (paired && may_cross_seams<Scenario, ShapeA, ShapeB>);
   /// Whether the force rotates a body of this shape.
   template <class Shape>
   static constexpr bool turns = !law::central || !Shape::isotropic;
@@ -147,6 +151,13 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
           if (counts) s_.monitors.overlaps.add(g.gap);
       }
     };
+    const auto accept = [&](const contact_geometry& g) __attribute__((always_inline)) {
+      const kept* old = nullptr;
+      if constexpr (remembers) old = s_.history.former(before, key_of(g));
+      if constexpr (passing)
+        if (!passing_.stays(g, old != nullptr || before == history_place::none)) return;
+      take(g, old);
+    };
     if constexpr (passing) passing_.begin();
     collide_pair(
         a_.shape[i], pose_a(x), this->shape_b(i, j), pose_b(x),
@@ -158,12 +169,17 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
             last = history_place::unknown;
             return;
           }
-          const kept* old = nullptr;
-          if constexpr (remembers) old = s_.history.former(before, key_of(g));
-          if constexpr (passing)
-            if (!passing_.stays(g, old != nullptr || before == history_place::none)) return;
-          take(g, old);
+          if constexpr (seams)
+            if (s_.flush.any()) return together_.push_back(g);
+          accept(g);
         });
+    if constexpr (seams)
+      if (!together_.empty()) {
+        leave_corners<ShapeA, ShapeB, paired>(s_, a_, i, pose_a(x), b_, j, pose_b(x), range,
+                                              together_);
+        for (const contact_geometry& g : together_) accept(g);
+        together_.clear();
+      }
     if constexpr (passing)
       for (const contact_geometry& g : passing_.others()) {
         const auto find = [&](const auto& mesh, const pose& at, real side, const auto& other) {
@@ -332,6 +348,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   Observer& observer_;
   [[no_unique_address]] std::conditional_t<passing, passing_contacts<law, kept>, none_pass>
       passing_{};
+  plain_vector<contact_geometry> together_;  ///< the contacts of a pair, if bodies are flush
 };
 
 /// Calls f(store, index of its first body in soft.bodies) for the bodies that can move.
