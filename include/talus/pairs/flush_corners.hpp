@@ -9,7 +9,7 @@
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/detect/collide_pair.hpp"
-#include "talus/detect/detail/level_patches.hpp"
+#include "talus/detect/level_patches.hpp"
 #include "talus/pairs/filtered_pairs.hpp"
 #include "talus/pairs/flush_surface.hpp"
 #include "talus/state/state.hpp"
@@ -153,9 +153,10 @@ class flush_corners {
 /// Drops those contacts of bodies i and j, at p_a and p_b for this pair, which are no corners of
 /// the area in which the movable one touches flush bodies.
 template <class ShapeA, class ShapeB, bool Paired, class Scenario, class StoreA, class StoreB>
-void leave_corners(world_state<Scenario>& s, const StoreA& a, std::size_t i, const pose& p_a,
-                   const StoreB& b, std::size_t j, const pose& p_b, real range,
-                   plain_vector<contact_geometry>& own) {
+[[gnu::noinline]] void leave_corners(world_state<Scenario>& s, const StoreA& a, std::size_t i,
+                                     const pose& p_a, const StoreB& b, std::size_t j,
+                                     const pose& p_b, real range,
+                                     plain_vector<contact_geometry>& own) {
   const auto leave = [&]<class Fixed, class Other>(const auto& fixed, std::size_t k, const vec3& at,
                                                    bool global, const auto& other, std::size_t l,
                                                    pose there) {

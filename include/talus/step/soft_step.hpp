@@ -102,8 +102,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
 
  private:
   using memory_type = typename law::memory;
-  using kept =
-      typename state_type::history_type::memory;  ///< what a contact leaves to the next step
+  using kept = typename state_type::history_type::memory;
   struct none_pass {};
 
   /// `last` is the place of the memories of the last step, and becomes the place of the new ones.
@@ -124,7 +123,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     const auto key_of = [&](const contact_geometry& g) {
       return contact_key{a_.id[i], b_.id[j], g.feature};
     };
-    const auto take = [&](const contact_geometry& g, const kept* old)
+    const auto take = [&](const contact_geometry& g, const auto& old)
         __attribute__((always_inline)) {
       const contact_key key = key_of(g);
       const bool counts = x.own_a || !boundary;
@@ -151,12 +150,19 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
           if (counts) s_.monitors.overlaps.add(g.gap);
       }
     };
-    const auto accept = [&](const contact_geometry& g) __attribute__((always_inline)) {
-      const kept* old = nullptr;
-      if constexpr (remembers) old = s_.history.former(before, key_of(g));
-      if constexpr (passing)
-        if (!passing_.stays(g, old != nullptr || before == history_place::none)) return;
-      take(g, old);
+    const auto accept = [&](const contact_geometry& g, const auto& add_force)
+        __attribute__((always_inline)) {
+      const auto former = [&]() -> const kept* {
+        if constexpr (remembers) return s_.history.former(before, key_of(g));
+        return nullptr;
+      };
+      if constexpr (passing) {
+        const kept* const old = former();
+        if (passing_.stays(g, old != nullptr || before == history_place::none))
+          add_force(g, [=] { return old; });
+      } else {
+        add_force(g, former);
+      }
     };
     if constexpr (passing) passing_.begin();
     collide_pair(
@@ -170,29 +176,37 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
             return;
           }
           if constexpr (seams)
-            if (s_.flush.any()) return together_.push_back(g);
-          accept(g);
+            if (s_.flush.any()) [[unlikely]]
+              return add_to_area(g);
+          accept(g, take);
         });
+    // Not compiled into the loop over contacts.
+    const auto take_later = [&](const contact_geometry& g, const auto& old)
+        __attribute__((noinline)) {
+      take(g, old);
+    };
     if constexpr (seams)
-      if (!together_.empty()) {
-        leave_corners<ShapeA, ShapeB, paired>(s_, a_, i, pose_a(x), b_, j, pose_b(x), range,
-                                              together_);
-        for (const contact_geometry& g : together_) accept(g);
-        together_.clear();
+      if (!area_.empty()) [[unlikely]] {
+        leave_corners<ShapeA, ShapeB, paired>(s_, a_, i, pose_a(x), b_, j, pose_b(x), range, area_);
+        for (const contact_geometry& g : area_) accept(g, take_later);
+        area_.clear();
       }
     if constexpr (passing)
       for (const contact_geometry& g : passing_.others()) {
-        const auto find = [&](const auto& mesh, const pose& at, real side, const auto& other) {
+        const auto former = [&](const auto& mesh, const pose& at, real side, const auto& other) {
           return passing_.former(s_.history, before, key_of(g), mesh.tree(),
                                  at.to_body(g.point + side * g.gap * g.normal),
                                  other.bounding_radius());
         };
-        if constexpr (is_triangulated<ShapeA>)
-          take(g, find(a_.shape[i], pose_a(x), 0.5, b_.shape[j]));
-        else
-          take(g, find(b_.shape[j], pose_b(x), -0.5, a_.shape[i]));
+        take_later(g, [&] {
+          if constexpr (is_triangulated<ShapeA>)
+            return former(a_.shape[i], pose_a(x), 0.5, b_.shape[j]);
+          else
+            return former(b_.shape[j], pose_b(x), -0.5, a_.shape[i]);
+        });
       }
   }
+  [[gnu::noinline]] void add_to_area(const contact_geometry& g) { area_.push_back(g); }
   /// The range beyond touch of the law for this pair: for shapes with curvatures, where they are
   /// flattest; the law itself ends where it should.
   [[nodiscard]] real range_of(const body_pair& x) const {
@@ -213,8 +227,8 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
   }
   [[gnu::always_inline]] inline pair_force add(const body_pair& x, const contact_geometry& g,
-                                               const contact_key& key, bool counts, const kept* old,
-                                               history_place& last) {
+                                               const contact_key& key, bool counts,
+                                               const auto& former, history_place& last) {
     const std::size_t i = x.i, j = x.j;
     soft_body& A = s_.soft.bodies[first_a_ + i];
     vec3 arm_a = g.point - position_a(x), arm_b{0, 0, 0};
@@ -263,7 +277,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
 
     memory_type memory;
     if constexpr (remembers)
-      if (old != nullptr) memory = *old;
+      if (const kept* old = former()) memory = *old;
     const auto& pair = s_.soft.pairs.pair(a_.material[i], b_.material[j]);
     s_.soft.pairs.require_known(pair, a_.material[i], b_.material[j]);
     if constexpr (surveyed) {
@@ -274,7 +288,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     std::conditional_t<booked, booked_contact, not_booked> books;
     const pair_force f = law::force(t, pair, observed ? 0 : s_.dt, memory, books);
     if constexpr (observed) return f;
-    (void)counts, (void)old, (void)last;
+    (void)counts, (void)former, (void)last;
     if (!law::reaches || g.gap < 0)
       s_.soft.fastest_approach = std::max(s_.soft.fastest_approach, -t.normal.dot(t.velocity));
     if constexpr (remembers) {
@@ -348,7 +362,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   Observer& observer_;
   [[no_unique_address]] std::conditional_t<passing, passing_contacts<law, kept>, none_pass>
       passing_{};
-  plain_vector<contact_geometry> together_;  ///< the contacts of a pair, if bodies are flush
+  plain_vector<contact_geometry> area_;  ///< the contacts of a pair, if bodies are flush
 };
 
 /// Calls f(store, index of its first body in soft.bodies) for the bodies that can move.

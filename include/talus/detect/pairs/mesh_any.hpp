@@ -5,8 +5,8 @@
 #include <type_traits>
 
 #include "talus/contact/contact_geometry.hpp"
-#include "talus/detect/detail/level_patches.hpp"
 #include "talus/detect/detail/triangle_contact.hpp"
+#include "talus/detect/level_patches.hpp"
 #include "talus/detect/pairs/convex_convex.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/shape/plane.hpp"
