@@ -102,7 +102,7 @@ class stalled_islands {
   /// Operations for each contact of a sweep; doubled, because a solution is exact.
   static constexpr real sweep_cost = 600;
   /// Operations for each contact of an attempt, besides linear systems. A balance that succeeds is
-  /// not counted: it is always worth its cost.
+  /// not counted where more than `let_be` was left: it is always worth its cost.
   static constexpr real overhead = 2000;
   /// The fraction of an error that a solution may leave where Newton's method can find a better
   /// one.
@@ -119,6 +119,8 @@ class stalled_islands {
   /// Operations for each contact from which a body on many points, or a few such bodies, are solved
   /// by bodies.
   static constexpr real many_points = 2.5e4;
+  /// Operations for each contact that the solution of a few bodies at rest is worth.
+  static constexpr real many_sweeps = 1e5;
   /// The fraction of solver_state::speed that may be left as error.
   static constexpr real let_be = 0.1;
   /// The fraction of solver_state::speed up to which an error needs no more sweeps, and no balance.
@@ -132,8 +134,10 @@ class stalled_islands {
   static bool is_single(const island& one) {
     return one.bodies == 1 && !one.jointed && std::is_same_v<typename State::number, real>;
   }
+  /// A few bodies with faces on each other, whose points share a load.
   static bool is_few(const island& one) {
-    return one.bodies <= island::few_bodies && !one.jointed && !one.is_cluster();
+    return one.bodies <= island::few_bodies && one.size >= 3 * one.bodies && !one.jointed &&
+           !one.is_cluster();
   }
   static real left_to_sweeps(const island& one) {
     return is_single(one) ? left_to_one : is_few(one) ? negligible : let_be;
@@ -191,19 +195,23 @@ class stalled_islands {
     const plain_vector<island_contact>& contacts = alone.contacts;
     const contact_order order(contacts, alone.state);
     const real rows = one.rows = 1 + static_cast<real>(order.length());
-    if (one.error() <= left_to_sweeps(one) * s.speed) return false;
+    const real error = one.error();
+    if (error <= left_to_sweeps(one) * s.speed) return false;
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     const real sweeps = rows * rows * one.most_mass / one.least_mass;
     // A body whose load is near the rim of what carries it, as a box on a column, needs far more.
     const bool flowing = flows(alone, s.speed);
     const bool rests = is_single(one) || (is_few(one) && !flowing);
-    if (!rests && one.error() <= let_be * s.speed) return false;
-    // Not if the sweeps that it replaces cost less, as in wide heaps.
-    const real pays = rests ? std::numeric_limits<real>::infinity()
-                            : sweep_cost * sweeps * static_cast<real>(contacts.size());
+    if (!rests && error <= let_be * s.speed) return false;
     // The joints move what was solved here, so that it stalls again.
     one.is_long = !one.is_cluster() && !one.jointed && one.is_narrow(rows) && !flowing;
-    const bool fails = one.is_long || (one.overloaded && !one.jointed);
+    const bool fails = (one.is_long || (one.overloaded && !one.jointed)) &&
+                       (is_single(one) || error > let_be * s.speed);
+    // Not if the sweeps that it replaces cost less, as in wide heaps.
+    const real least = is_single(one) ? std::numeric_limits<real>::infinity()
+                       : rests        ? many_sweeps
+                                      : 0;
+    const real pays = std::max(sweep_cost * sweeps, least) * static_cast<real>(contacts.size());
     if (!fails && s.islands.spare() == 0) return false;
     if (!fails) s.islands.spend_spare(overhead * static_cast<real>(contacts.size()));
     double left = std::min<double>(fails ? budget : s.islands.spare(), pays);
@@ -222,7 +230,8 @@ class stalled_islands {
       return true;
     }
     if (s.fall != vec3(0, 0, 0) && balance(one, alone, exact, found, s) == outcome::done) {
-      if (!fails) s.islands.spend_spare(-overhead * static_cast<real>(contacts.size()));
+      if (!fails && error > let_be * s.speed)
+        s.islands.spend_spare(-overhead * static_cast<real>(contacts.size()));
       return true;
     }
     one.rows = rows;
