@@ -171,7 +171,8 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
       } else if (!inside && detail::nearest_of_surface(m, t, q, up)) {
         if (felt.add(q.at))
           sink(contact_geometry{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)});
-      } else if (near.is_wide(m, t, real(0.05) * size * size)) {
+      } else if ((std::abs(straight) > real(0.7) || c.gap < 0) &&
+                 near.is_wide(m, t, real(0.05) * size * size)) {
         sideways = std::abs(straight) <= real(0.7);
         tilted = (sideways ? under : straight < 0) ? -1 : 1;
       } else {
