@@ -7,7 +7,7 @@
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/contact/history.hpp"
 #include "talus/core/plain_vector.hpp"
-#include "talus/detect/pairs/mesh_any.hpp"
+#include "talus/detect/triangle_feature.hpp"
 #include "talus/interaction/film_bridge.hpp"
 #include "talus/shape/nearest_on_triangle.hpp"
 
@@ -32,9 +32,10 @@ class passing_contacts {
   /// The memory of that contact of the last step which this one goes on with: of the same part of
   /// the body and with the triangle nearest to the point, of those that do not go on with their own
   /// triangle. Null for a new contact.
+  template <class Tree>
   [[nodiscard]] const Kept* former(const history_of<Kept>& history, history_place before,
-                                   const contact_key& key, const triangle_tree& m,
-                                   const vec3& point, real radius) {
+                                   const contact_key& key, const Tree& m, const vec3& point,
+                                   real radius) {
     const auto* best = static_cast<const typename history_of<Kept>::entry*>(nullptr);
     const real near = near_part * radius;
     real least = near * near;

@@ -8,6 +8,7 @@
 #include "talus/detect/detail/triangle_contact.hpp"
 #include "talus/detect/level_patches.hpp"
 #include "talus/detect/pairs/convex_convex.hpp"
+#include "talus/detect/triangle_feature.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
@@ -20,17 +21,6 @@ namespace detail {
 template <class Shape>
 inline constexpr bool is_surface =
     std::is_same_v<Shape, triangle_mesh> || std::is_same_v<Shape, surface_near_body>;
-
-/// The number of a triangle beside the parts that meet: 12 bits of it above the four that its own
-/// corners, edges and sides need, the rest in bits 48 to 63.
-[[nodiscard]] inline std::uint64_t feature_of(std::uint32_t triangle, std::uint64_t parts) {
-  return parts | (std::uint64_t{triangle} & 0xfff) << 4 | std::uint64_t{triangle >> 12} << 48;
-}
-
-[[nodiscard]] inline std::uint32_t triangle_of(std::uint64_t feature) {
-  return static_cast<std::uint32_t>((feature >> 4 & 0xfff) | feature >> 48 << 12);
-}
-inline constexpr std::uint64_t other_parts = 0x0000ffffffff0000;  ///< of the other body
 
 /// One triangle as a polyhedron without thickness.
 class flat_polyhedron {
