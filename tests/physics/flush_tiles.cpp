@@ -113,6 +113,28 @@ TEST_CASE("bodies keep speed and height on tiles that are closed meshes") {
       }
 }
 
+TEST_CASE("bodies keep speed and height on closed plates far thinner than they are") {
+  for (const real thickness : {1e-3, 1e-4, 1e-5})
+    for (const real dt : {1.0 / 240, 1.0 / 1000})
+      for (const vec3& v : {vec3(2, 0, 0), vec3(0.05, 0.015, 0)}) {
+        const auto plates = [&](world_type& w) {
+          put_closed_mesh(w, level, {-1, -1, -thickness}, {0.001, 1, 0});
+          put_closed_mesh(w, level, {0.001, -1, -thickness}, {1, 1, 0});
+        };
+        const auto check = [&](const auto& shape, real height, const quat& turn) {
+          const int steps = static_cast<int>(std::min(0.12 / (v.norm() * dt), 600.0));
+          return error_of(level, plates, shape, height, turn, v, dt, steps);
+        };
+        CAPTURE(thickness);
+        CAPTURE(dt);
+        CAPTURE(v[0]);
+        CHECK(check(box{{0.06, 0.06, 0.06}}, 0.03, level) < 1e-6);
+        CHECK(check(box{{0.06, 0.06, 0.02}}, 0.01, rotation({0, 0, 1}, 0.4)) < 1e-6);
+        CHECK(check(cylinder{0.03, 0.06}, 0.03, level) < 1e-6);
+        CHECK(check(sphere{0.03}, 0.03, level) < 1e-6);
+      }
+}
+
 TEST_CASE("a cylinder that rolls over tiles without slip keeps speed and height") {
   const real radius = 0.03, tile = 0.1;
   for (const bool meshes : {false, true})

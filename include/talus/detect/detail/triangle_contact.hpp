@@ -137,10 +137,12 @@ class triangles_near {
   }
   /// Whether the way of this length from the point q of triangle t, in the direction (unit), leads
   /// through another triangle that has all of t behind it: as from a side of a closed surface
-  /// through its upper face, where both meet at less than a right angle (see triangle_tree::sharp).
+  /// through its upper face, where both meet at less than a right angle (see triangle_tree::sharp),
+  /// or from the lower face of a thin plate.
   [[nodiscard]] bool hide(const triangle_tree& m, std::uint32_t t, const vec3& q,
                           const vec3& direction, real length, real near) const {
-    if (!m.sharp || length <= near) return false;
+    if (length <= near) return false;
+    if (!m.sharp && !(m.normals[t].dot(direction) < 0)) return false;
     bool hidden = false;
     each([&](std::uint32_t other) {
       if (hidden || other == t) return;
