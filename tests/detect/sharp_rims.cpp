@@ -1,8 +1,10 @@
-// Contacts of a shape that is not smooth everywhere and known by its support function alone: the
-// lens of examples/own_shape, whose rim is sharp.
+// Contacts of sharp rims: of a lens (examples/own_shape), known by its support function alone, and
+// of a cylinder.
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "../../examples/own_shape/lens.hpp"
 #include "../generator.hpp"
@@ -86,4 +88,30 @@ TEST_CASE("the gap of two sharp rims does not jump while one lens slides past an
   CHECK(worst_gap < 1e-6);
   CHECK(worst_vector < 1e-9);
   CHECK(worst_direction < 1e-12);
+}
+
+TEST_CASE("a cylinder's rim above a ridge by as little as round-off is pushed away from it") {
+  const quat q = rotation(vec3(1, 1, 0.3).normalized(), 0.7);
+  int tried = 0;
+  for (std::uint64_t seed = 1; seed <= 40000; ++seed) {
+    INFO("seed " << seed);
+    generator random{std::mt19937_64(seed)};
+    const real wide = std::pow(10, random(-3.5, -0.5));
+    std::vector<vec3> corners;
+    for (const real y : {-9, 9})
+      for (const auto& [x, z] : {std::pair{-wide, -wide}, {0.0, 0.0}, {-wide, -5.0}, {0.0, -5.0}})
+        corners.push_back(q * vec3(x, y, z));
+    const convex_polyhedron ridge(corners);
+    // The lowest point of one end of a lying cylinder.
+    const real angle = random(0.1, 0.3), beside = std::pow(10, random(-12, -4));
+    const vec3 axis(-std::sin(angle), std::cos(angle), 0),
+        low(beside, 1, std::pow(10, random(-13, -7)));
+    const pose at{vec3(q * (low - axis + vec3(0, 0, 1))),
+                  quat(q * rotation({0, 0, 1}, angle) * rotation({1, 0, 0}, -pi / 2))};
+    collide_pair(cylinder{1, 2}, at, ridge, placed(ridge), 1e-4, [&](const contact_geometry& c) {
+      CHECK((q.conjugate() * c.normal)[2] > 0);
+      ++tried;
+    });
+  }
+  CHECK(tried >= 40000);
 }

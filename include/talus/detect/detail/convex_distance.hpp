@@ -155,10 +155,10 @@ struct core_distance {
 };
 
 /// `beyond` if the distance is more than `limit`, `touching` if it is at most `least` (or the cores
-/// overlap); the rest is set only where they are `apart`. Begins with the corners of an answer to a
-/// similar question, or else with `guess`, any direction. After 100 steps the gap is that along the
-/// best direction so far, by which the cores are apart for certain, and they are `touching` if it
-/// is at most `least`.
+/// overlap, or round-off hides on which side they are); the rest is set only where they are
+/// `apart`. Begins with the corners of an answer to a similar question, or else with `guess`, any
+/// direction. After 100 steps the gap is that along the best direction so far, by which the cores
+/// are apart for certain, and they are `touching` if it is at most `least`.
 template <class Real>
 [[nodiscard]] core_distance<Real> distance_of(const convex_pair<Real>& pair,
                                               const vector3<Real>& guess, Real least, Real limit,
@@ -170,10 +170,12 @@ template <class Real>
   if (!(v.squaredNorm() > 0)) v = {1, 0, 0};
   Real square = s.size() > 0 ? v.squaredNorm() : std::numeric_limits<Real>::infinity();
   bool outside = s.size() > 0;  // some direction separates the two
+  Real along = 0;               // the distance along v, times its length
   int k = s.size();
   for (; k < 100; ++k) {
     const difference_point<Real> p = pair.support(-v);
-    const Real along = v.dot(p.w), length = v.norm();
+    const Real length = v.norm();
+    along = v.dot(p.w);
     if (along > limit * length) {
       found.state = separation::beyond;
       return found;
@@ -190,6 +192,8 @@ template <class Real>
   }
   found.gap = std::sqrt(square);
   found.normal = v / found.gap;
+  // The nearest point of a thin triangle is on its wrong side by round-off.
+  if (k < 100 && along < Real(0.5) * square) return found;
   if (k == 100) found.gap = pair.gap_along(found.normal);
   if (!(found.gap > least)) return found;
   found.state = separation::apart;
