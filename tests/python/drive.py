@@ -259,6 +259,14 @@ class Worlds(unittest.TestCase):
                     self.assertTrue(error.startswith("RuntimeError: Python ends") or
                                     "RuntimeError: Python ends".startswith(error), run.stderr)
 
+    def test_threads_may_take_their_first_arrays_at_once(self):
+        script = (f"import sys, threading; sys.path.insert(0, {MODULES!r})\nimport drop\n"
+                  "worlds = [drop.World() for _ in range(4)]\n"
+                  "threads = [threading.Thread(target=lambda w=w: w.positions.sum()) for w in worlds]\n"
+                  "for t in threads: t.start()\nfor t in threads: t.join()\n")
+        told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+        self.assertEqual((told.returncode, told.stderr), (0, ""))
+
     def test_a_signal_writes_the_checkpoint_of_a_world(self):
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
             file = self.work / f"{number}.h5"
@@ -302,6 +310,14 @@ class Worlds(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, words):
                 add()
 
+    def test_what_is_no_number_is_refused(self):
+        spheres = mechanism.World(steps=60).bodies["sphere"]
+        for call in (spheres.add, spheres.find_overlaps):
+            with self.assertRaisesRegex(TypeError, "a shape is given by numbers"):
+                call("wide", position=(0, 0, 9))
+        with self.assertRaisesRegex(TypeError, "an orientation needs four numbers"):
+            spheres.find_overlaps(1, position=(0, 0, 9), orientation="up")
+
     def test_bodies_are_found_by_rays_points_and_regions(self):
         world = mechanism.World()
         spheres = world.bodies["sphere"]
@@ -343,6 +359,16 @@ class Worlds(unittest.TestCase):
             drop.World(iterations=0)
         with self.assertRaisesRegex(ValueError, "4 ranks are asked for, but Python drives worlds of one rank"):
             drop.World(ranks=4)
+        with self.assertRaisesRegex(ValueError, r'json needs a text without zero bytes, but is "a.u0000b"'):
+            drop.World(json="a\0b")
+        with self.assertRaisesRegex(TypeError, "an option is given a text that is no Unicode"):
+            drop.World(json="\ud800")
+        world = drop.World()
+        for write in (world.write_checkpoint, world.write_body_table, world.write_contact_table):
+            for name in ("", str(self.work / "a\0b")):
+                with self.assertRaisesRegex(ValueError, f"{write.__name__} needs the name of a file, but is given"):
+                    write(name)
+        self.assertEqual(list(self.work.iterdir()), [])
         self.assertEqual(drop.World(reproducible=True, csv=None).step(2), 2)
         self.assertIn("--iterations", drop.World.__doc__)
         with self.assertRaisesRegex(ValueError, "the bar has its own mass"):

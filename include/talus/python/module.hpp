@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/core/shown_text.hpp"
 #include "talus/observe/digest.hpp"
 #include "talus/observe/motion.hpp"
 #include "talus/observe/summary.hpp"
@@ -29,6 +30,27 @@ void write_checkpoint(world<Scenario>& w, const std::string& file);
 
 namespace detail {
 
+/// A value of Python as that of a type. Throws type_error with the sentence if it is none.
+template <class Type>
+[[nodiscard]] Type value_from(const pybind11::handle& value, const char* sentence) {
+  try {
+    return value.cast<Type>();
+  } catch (const pybind11::cast_error&) {
+    throw pybind11::type_error(sentence);
+  }
+}
+inline constexpr const char* sizes_are_numbers =
+    "a shape is given by numbers before the others, such as its radius";
+/// The name of a file that Python gives to a function. Throws invalid_argument for one that is
+/// empty, or that the system would cut.
+[[nodiscard]] inline const std::string& file_of_python(const std::string& file,
+                                                       const char* function) {
+  if (file.empty() || file.find('\0') != std::string::npos)
+    fail<std::invalid_argument>("{} needs the name of a file, but is given {}", function,
+                                quoted_text(file));
+  return file;
+}
+
 /// The words of a command line for the keyword arguments of Python: csv_every=5 is --csv-every=5,
 /// unless `help`, the list of the options, has --csv_every.
 [[nodiscard]] inline std::vector<std::string> words_of(const pybind11::kwargs& given,
@@ -45,9 +67,14 @@ namespace detail {
     if (!has(" ") && !has("=") && !has("\n")) std::replace(name.begin(), name.end(), '_', '-');
     if (value.is_none()) continue;
     const std::string text =
-        py::isinstance<py::bool_>(value)    ? value.cast<bool>() ? "true" : "false"
-        : py::isinstance<py::float_>(value) ? py::repr(value).cast<std::string>()
-                                            : py::str(value).cast<std::string>();
+        py::isinstance<py::bool_>(value) ? value.cast<bool>() ? "true" : "false"
+        : py::isinstance<py::float_>(value)
+            ? py::repr(value).cast<std::string>()
+            : value_from<std::string>(py::str(value),
+                                      "an option is given a text that is no Unicode");
+    if (text.find('\0') != std::string::npos)
+      fail<std::invalid_argument>("{} needs a text without zero bytes, but is {}", name,
+                                  quoted_text(text));
     words.push_back("--" + name + "=" + text);
   }
   if (!quiet) words.emplace_back("--quiet=true");

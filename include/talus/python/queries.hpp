@@ -117,9 +117,10 @@ void bind_overlaps(Class& bodies_class) {
       "find_overlaps",
       [](const bodies& b, const py::args& sizes, const std::array<real, 3>& position,
          const py::object& orientation) {
-        const auto numbers = sizes.cast<std::vector<real>>();
+        const auto numbers = value_from<std::vector<real>>(sizes, sizes_are_numbers);
         // After *args, pybind11 2.10 does not convert the last argument.
-        const auto q = orientation.cast<std::array<real, 4>>();
+        const auto q = value_from<std::array<real, 4>>(
+            orientation, "an orientation needs four numbers: x, y, z, w");
         const pose at{{position[0], position[1], position[2]}, {q[3], q[0], q[1], q[2]}};
         std::vector<query_hit> hits;
         b.session->read([&](world_type& w) {

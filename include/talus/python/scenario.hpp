@@ -91,7 +91,7 @@ void bind_changes(Class& bodies_class) {
              const std::array<real, 3>& velocity, const std::array<real, 3>& angular_velocity,
              const std::array<real, 4>& orientation, const std::optional<real>& mass,
              const std::optional<real>& density, std::uint16_t material) {
-            const auto numbers = sizes.cast<std::vector<real>>();
+            const auto numbers = value_from<std::vector<real>>(sizes, sizes_are_numbers);
             const new_body how{position, velocity, angular_velocity, orientation,
                                material, mass,     density};
             return b.session->change(
@@ -217,7 +217,8 @@ void bind_course(Class& world_class) {
     world_class.def(
         "write_checkpoint",
         [](driven& d, const std::string& file) {
-          d.session->change([&](world_type& w) { talus::write_checkpoint(w, file); });
+          const std::string& name = file_of_python(file, "write_checkpoint");
+          d.session->change([&](world_type& w) { talus::write_checkpoint(w, name); });
         },
         py::arg("file"),
         "Writes the state to a file, from which World(restart=file) and --restart continue.");
@@ -237,6 +238,9 @@ void scenario(pybind11::module_& module, SetUp set_up) {
   namespace py = pybind11;
   using session = detail::session<Scenario, Options, SetUp>;
   using driven = detail::driven_world<session>;
+  // pybind11 looks for the functions of numpy when they are first used, below a lock that it keeps
+  // while other threads run: two threads that took their first arrays at once would wait for ever.
+  (void)py::dtype::of<real>();
   const auto name = module.attr("__name__").cast<std::string>();
   const std::string words =
       "A world of this scenario. Its arguments are the options of the "

@@ -74,13 +74,15 @@ void bind_tables(Class& world_class) {
       .def(
           "write_body_table",
           [](driven& d, const std::string& file) {
-            d.session->read([](world_type& w) { return body_table(w); }).write_csv(file);
+            const std::string& name = file_of_python(file, "write_body_table");
+            d.session->read([](world_type& w) { return body_table(w); }).write_csv(name);
           },
           py::arg("file"), "Writes the table of bodies as comma-separated values.")
       .def(
           "write_contact_table",
           [](driven& d, const std::string& file) {
-            d.session->read([](world_type& w) { return contact_table(w); }).write_csv(file);
+            const std::string& name = file_of_python(file, "write_contact_table");
+            d.session->read([](world_type& w) { return contact_table(w); }).write_csv(name);
           },
           py::arg("file"), "Writes the table of contacts likewise.")
       .def(
