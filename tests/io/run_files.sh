@@ -78,6 +78,11 @@ full() {
     expect 1 'the time series x.csv (--csv) cannot be written: ' '(ulimit -f)' -- \
       "$program" --quiet --steps 300 --csv x.csv --csv-every 1
   )
+  # The table of an earlier run stays until the first lines of this one are there.
+  cp o.csv before
+  (ulimit -f 0; "$program" --quiet --steps 5 --csv o.csv 2>&1 || true) | cat >out
+  grep -qF 'the time series o.csv (--csv) cannot be written: ' out || { cat out; fail "nothing says that o.csv cannot be written"; }
+  cmp before o.csv || fail "a table is replaced by nothing"
   # What MPI shares between processes lies in a file, too.
   expect 1 'MPI cannot share memory between processes' '(ulimit -f): raise that limit' -- \
     "${launch[@]}" bash -c 'ulimit -f 4; exec "$0" --quiet --steps 5' "$program"
@@ -105,6 +110,8 @@ names() {
   done
   printf 'restart = ""\n' >empty.toml
   expect 2 'empty.toml:1: restart needs a value, but is empty' -- "$program" --quiet --steps 9 --config empty.toml
+  printf 'json = "a\\u0000b"\n' >zero.toml
+  expect 2 'zero.toml:1: json needs a text without zero bytes' -- "$program" --quiet --steps 9 --config zero.toml
   expect 2 '--json needs a text in UTF-8' -- "$program" --quiet --steps 5 --json $'a\xff'
   expect 2 '--json needs a text of one line' -- "$program" --quiet --steps 5 --json $'a\nb'
   # The configuration beside an output says what is not given, and makes the run again.
@@ -290,6 +297,20 @@ END
   cp "$odd.hdf.series" before
   expect 0 "replaces a series" -- "$program" --steps 200 --output "$odd" --output-every 100
   cmp before "$odd.hdf.series"
+  # One that has no room for a further line stays as it is.
+  local long
+  long=$(printf 'n%.0s' {1..200})
+  (
+    ulimit -f 12
+    expect 1 '.series cannot be written: ' '(ulimit -f)' -- \
+      "$program" --quiet --bodies 1 --steps 300 --output "$long" --output-every 1
+  )
+  python3 - "$long" <<'END'
+import json, os, sys
+for end in ("", "_contacts"):
+    files = json.load(open(sys.argv[1] + end + ".hdf.series"))["files"]
+    assert len(files) > 10 and all(os.path.exists(f["name"]) for f in files), files
+END
   "$program" --quiet --steps 1000000000 --output r --output-every 10 >out 2>&1 &
   local pid=$! code=0
   wait_for r_contacts_0000000050.hdf
@@ -299,6 +320,14 @@ END
   [[ $code == 1 ]] || fail "exit code $code"
   grep -q 'the output r.hdf.series is no longer the index that this run has begun' out || { cat out; fail "nobody says so"; }
   cmp before r.hdf.series
+  rm r*
+  "$program" --quiet --steps 1000000000 --output r --output-every 10 >out 2>&1 &
+  pid=$! code=0
+  wait_for r_contacts_0000000050.hdf
+  rm r_contacts.hdf.series
+  wait $pid || code=$?
+  [[ $code == 1 ]] || fail "exit code $code"
+  grep -q 'the output r_contacts.hdf.series is no longer the index that this run has begun' out || { cat out; fail "nobody says so"; }
   nothing_left
 }
 

@@ -123,10 +123,10 @@ class time_series {
   [[nodiscard, gnu::cold]] static std::string head_of(std::string_view name,
                                                       std::string_view dimension,
                                                       const unit_names& units);
-  /// The head of the table, with the user-defined columns behind the others. The lines before the
-  /// first value of such a column are empty there.
-  [[gnu::cold]] void write_head(const detail::plain_vector<measured>& columns, const records& own,
-                                const unit_names& units);
+  /// The head of the table, with the user-defined columns behind the others, if it is still to be
+  /// written. The lines before the first value of such a column are empty there.
+  [[nodiscard, gnu::cold]] std::string head_line(const detail::plain_vector<measured>& columns,
+                                                 const records& own, const unit_names& units);
   [[gnu::cold]] void write(const detail::plain_vector<measured>& columns, const records& own,
                            const unit_names& units);
 

@@ -95,8 +95,8 @@ TALUS_INLINE std::string time_series::head_of(std::string_view name, std::string
   return head;
 }
 
-TALUS_INLINE void time_series::write_head(const detail::plain_vector<measured>& columns,
-                                          const records& own, const unit_names& units) {
+TALUS_INLINE std::string time_series::head_line(const detail::plain_vector<measured>& columns,
+                                                const records& own, const unit_names& units) {
   std::string head;
   for (const measured& c : columns)
     (head += head.empty() ? "" : ",") += head_of(c.name, c.dimension, units);
@@ -114,12 +114,13 @@ TALUS_INLINE void time_series::write_head(const detail::plain_vector<measured>& 
     return std::count(text.begin(), text.end(), ',');
   };
   behind_.clear();
-  if (head == head_) return;
+  if (head == head_) return {};
+  std::string first;
   if (head_.empty()) {
-    put(head + "\n");
+    first = head + "\n";
   } else if (head_.starts_with(head + ",")) {  // columns of the earlier run that are still missing
     behind_.assign(static_cast<std::size_t>(commas_of(head_) - commas_of(head)), ',');
-    return;
+    return {};
   } else if (head.starts_with(head_ + ",") && standard <= commas_of(head_) &&
              !detail::is_stream(name_)) {
     const std::string missing(static_cast<std::size_t>(commas_of(head) - commas_of(head_)), ',');
@@ -136,17 +137,20 @@ TALUS_INLINE void time_series::write_head(const detail::plain_vector<measured>& 
         name_);
   }
   head_ = std::move(head);
+  return first;
 }
 
 TALUS_INLINE void time_series::write(const detail::plain_vector<measured>& columns,
                                      const records& own, const unit_names& units) {
-  if (std::exchange(begins_, false)) replace_by("");
-  write_head(columns, own, units);
+  const std::string head = head_line(columns, own, units);
   std::string line;
   for (const measured& c : columns) (line += line.empty() ? "" : ",") += detail::text(c.value);
   for (const detail::recorded_value& r : own) (line += ",") += detail::text(r.value);
-  line += behind_ + "\n";
-  put(line);
+  line = head + line + behind_ + "\n";
+  if (std::exchange(begins_, false))
+    replace_by(line);
+  else
+    put(line);
 }
 
 }  // namespace talus

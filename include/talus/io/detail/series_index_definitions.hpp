@@ -30,18 +30,27 @@ TALUS_HDF5_INLINE void series_index::go_on(std::uint64_t end) {
 TALUS_HDF5_INLINE void series_index::add(const std::string& name, double time) {
   std::string line = empty_ ? "" : ",\n";
   ((((line += "    ") += name_mark) += detail::quoted_text(name)) += time_mark) += text(time) + "}";
-  const system_file file(file_, O_RDWR | O_NOFOLLOW);
   const std::string bytes = line + std::string(foot);
+  const system_file file(file_, O_RDWR | O_NOFOLLOW);
   struct stat found {};
-  if (file.good() && ::fstat(file.id(), &found) == 0 &&
-      (found.st_dev != written_.st_dev || found.st_ino != written_.st_ino ||
-       static_cast<std::uint64_t>(found.st_size) != at_ + foot.size()))
+  const bool other =
+      file.good() ? ::fstat(file.id(), &found) == 0 &&
+                        (found.st_dev != written_.st_dev || found.st_ino != written_.st_ino ||
+                         static_cast<std::uint64_t>(found.st_size) != at_ + foot.size())
+                  : errno == ENOENT || errno == ELOOP || errno == EISDIR;
+  if (other)
     fail<std::runtime_error>(
-        "the output {} is no longer the index that this run has begun: something else has replaced "
-        "or changed it; begin again with another name",
+        "the output {} is no longer the index that this run has begun: something else has removed, "
+        "replaced or changed it; begin again with another name",
         file_);
-  if (!file.good() || write_at(file.id(), at_, std::as_bytes(std::span(bytes))) != bytes.size())
+  if (!file.good() || write_at(file.id(), at_, std::as_bytes(std::span(bytes))) != bytes.size()) {
+    const int error = errno;
+    // What was there before has room.
+    if (file.good() && write_at(file.id(), at_, std::as_bytes(std::span(foot))) == foot.size())
+      (void)::ftruncate(file.id(), static_cast<off_t>(at_ + foot.size()));
+    errno = error;
     fail_to_write(bytes.size());
+  }
   at_ += line.size();
   empty_ = false;
 }
