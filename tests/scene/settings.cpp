@@ -203,6 +203,8 @@ TEST_CASE("an empty value is a mistake where it would mean nothing, and so is wh
   CHECK(read({"--decomposition", ""}).shares.empty());  // "grid" is what is not given
   CHECK(refusal({"--json", "a\xff"}).find("--json needs a text in UTF-8") == 0);
   CHECK(refusal({"--json", "a\nb"}) == "--json needs a text of one line, but is \"a\\u000ab\"");
+  CHECK(refusal_of("json = \"a\\u0000b\"\n") ==
+        "box.toml:1: json needs a text without zero bytes, but is \"a\\u0000b\"");
 }
 
 TEST_CASE("a key of very many parts is refused before it is read") {

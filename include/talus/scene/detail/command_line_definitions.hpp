@@ -181,6 +181,10 @@ TALUS_INLINE std::string command_line::read(option& o, std::string_view value,
     if (value.find('\n') != std::string_view::npos)
       return detail::compose("{} needs a text of one line, but is {}", name,
                              detail::quoted_text(value));
+    // The system would end a name there.
+    if (value.find('\0') != std::string_view::npos)
+      return detail::compose("{} needs a text without zero bytes, but is {}", name,
+                             detail::quoted_text(value));
     *static_cast<std::string*>(o.target) = value;
     return {};
   }
