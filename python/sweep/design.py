@@ -19,17 +19,10 @@ class Wrong(Exception):
 def number(text, where):
     if not re.fullmatch(NUMBER, text):
         raise Wrong(f"{where}: '{text}' is no number")
-    value = fractions.Fraction(text)
-    if math.isinf(as_float(value)):
+    size = abs(float(text))  # a fraction of a large exponent has as many digits
+    if math.isinf(size):
         raise Wrong(f"{where}: {text} is too large")
-    return value
-
-
-def as_float(value):
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf
+    return fractions.Fraction(text) if size else fractions.Fraction(0)
 
 
 def written(value):

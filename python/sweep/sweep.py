@@ -28,6 +28,7 @@ from progress import Progress, say  # noqa: E402
 from runs import Run, name_of, read, remove_leftovers, write_whole  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+KINDS = {"program": str, "digest": str, "options": list, "ranks": int, "limit": (int, float)}  # in sweep.json
 
 
 class Ended(Exception):
@@ -76,6 +77,19 @@ def arguments_of(words):
     return asked, options
 
 
+def found_in(folder):
+    """What the sweep.json of a folder holds, or None if it has none. Raises Wrong."""
+    found = read(folder / "sweep.json")
+    if found is None:
+        return None
+    runs = found.get("runs")
+    if not isinstance(runs, list) or not runs or not all(isinstance(run, dict) and run for run in runs) or \
+            not all(isinstance(value, str) for run in runs for value in run.values()) or \
+            not all(isinstance(found.get(key), kind) for key, kind in KINDS.items()) or not isinstance(found.get("plot", []), list):
+        raise Wrong(f"{folder}/sweep.json is damaged, or of another program: choose another folder with --out DIR")
+    return found
+
+
 def prepare(asked, options):
     """The folder, and the design in it: a new one, or that of an earlier call if both agree."""
     path = pathlib.Path(asked.program).resolve()
@@ -92,7 +106,7 @@ def prepare(asked, options):
     program.check_values(runs, options)
     wanted = {"program": str(path), "digest": digest_of(path), "options": options, "ranks": asked.ranks,
               "limit": asked.limit, "plot": asked.plot, "runs": runs}
-    found = read(folder / "sweep.json")
+    found = found_in(folder)
     if folder.exists() and not folder.is_dir():
         raise Wrong(f"{folder} is no folder: choose another one with --out DIR")
     remove_leftovers(folder, ("sweep.json", "runs.txt", "table.csv", "sweep.sh"))
@@ -191,7 +205,7 @@ def finish(folder, runs, asked):
 
 def stored(folder):
     folder = pathlib.Path(folder).resolve()
-    wanted = read(folder / "sweep.json")
+    wanted = found_in(folder)
     if wanted is None:
         raise Wrong(f"{folder} holds no sweep: there is no sweep.json in it")
     return folder, wanted

@@ -22,6 +22,8 @@ class Parsed(unittest.TestCase):
         self.assertEqual(self.values("steps=10:40:4"), ["10", "20", "30", "40"])
         self.assertEqual(self.values("x=1:-1:3"), ["1", "0", "-1"])
         self.assertEqual(self.values("x=1e-3:2e-3:2"), ["0.001", "0.002"])
+        self.assertEqual(self.values("x=0e9999999999:1:2"), ["0", "1"])
+        self.assertEqual(self.values("x=1e-9999999999:1:2"), ["0", "1"])
 
     def test_a_logarithmic_range_has_constant_ratios(self):
         self.assertEqual(self.values("dt=1e-4:1e-2:3:log"), ["0.0001", "0.001", "0.01"])
@@ -39,7 +41,7 @@ class Parsed(unittest.TestCase):
                             ("a=1,,2", "is empty"), ("a=1,2,1", "1 twice"), ("a=1:2:1", "between 2 and"),
                             ("a=1:2:x", "between 2 and"), ("a=1:1:3", "both ends"), ("a=0:1:3:log", "above 0"),
                             ("a=1:2:3:4", "a range is"), ("a=1:b:3", "'b' is no number"),
-                            ("a=1:1e999:3", "too large"), ("a=1:1.0000001:9:log", "not all different")]:
+                            ("a=1:1e999:3", "too large"), ("a=1:-1e9999999999:3", "too large"), ("a=1:1.0000001:9:log", "not all different")]:
             with self.assertRaises(Wrong, msg=text) as told:
                 self.values(text)
             self.assertIn(words, str(told.exception))

@@ -176,6 +176,16 @@ class Sweeps(unittest.TestCase):
         self.assertIn("is no folder", self.sweep("--vary", "friction=1,2", "--out", str(mine / "thesis.txt"), code=2))
         self.assertIn("cannot be made", self.sweep("--vary", "friction=1,2", "--out", "/proc/none", code=2))
 
+    def test_a_damaged_sweep_is_refused_with_its_file(self):
+        self.sweep("--vary", "friction=1,2")
+        file = self.work / "out" / "sweep.json"
+        whole = json.loads(file.read_text())
+        for key, value in (("runs", None), ("runs", []), ("runs", [{}]), ("runs", [{"friction": 1}]), ("ranks", "2"),
+                           ("program", 3), ("plot", 1)):
+            file.write_text(json.dumps({**whole, key: value}))
+            for words in (["--vary", "friction=1,2"], ["--collect", str(self.work / "out")]):
+                self.assertIn("sweep.json is damaged", self.sweep(*words, code=2), (key, value))
+
     def test_what_killed_sweeps_left_is_removed_and_nothing_else(self):
         out = self.work / "out"
         out.mkdir()
