@@ -2,6 +2,7 @@
 import csv
 import os
 import pathlib
+import signal
 import stat
 import sys
 import tempfile
@@ -150,6 +151,12 @@ def about(base, names, live=False):
     return more
 
 
+def on_signal(number, _):
+    """Ends by an exception, so that no unfinished page is left."""
+    print(f"view: ended by {signal.Signals(number).name}", file=sys.stderr)
+    sys.exit(128 + number)
+
+
 def main():
     o = options()
     try:
@@ -159,6 +166,9 @@ def main():
     base = frames.series_of(o.output)
     try:
         if o.serve is None:
+            for kind in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                if signal.getsignal(kind) != signal.SIG_IGN:  # as under nohup
+                    signal.signal(kind, on_signal)
             write_page(o, base)
         else:
             import serve

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import urllib.request
 
@@ -215,6 +216,26 @@ class Foreign(unittest.TestCase):
             write_output(self.folder)
         with_array(self.folder / CONTACTS, "VTKHDF/CellData/normal_force", lambda g, n: g.__setitem__(n, np.full(COUNT, np.nan)))
         self.view(code=0)
+
+    def test_a_signal_leaves_no_unfinished_page(self):
+        body = (self.folder / BODIES).read_bytes()
+        names = [f"many_{k}.hdf" for k in range(3000)]
+        for name in names:
+            (self.folder / name).write_bytes(body)
+        (self.folder / "many.hdf.series").write_text(json.dumps({"files": [{"name": n, "time": k} for k, n in enumerate(names)]}))
+        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+            made = subprocess.Popen([*VIEW, str(self.folder / "many")], stderr=subprocess.PIPE, text=True,
+                                    preexec_fn=lambda n=number: signal.signal(n, signal.SIG_DFL),  # not as in the background
+                                    env={**os.environ, "TALUS_THREE": str(self.folder / "three.js")})
+            end = time.monotonic() + 20
+            while not list(self.folder.glob("*.part-*")) and made.poll() is None and time.monotonic() < end:
+                time.sleep(0.005)
+            time.sleep(0.05)
+            made.send_signal(number)
+            said = made.communicate(timeout=20)[1]
+            self.assertEqual((made.returncode, said.splitlines()[-1]), (128 + number, f"view: ended by {number.name}"))
+            self.assertNotIn("Traceback", said)
+            self.assertEqual(list(self.folder.glob("*.part-*")), [])
 
     def test_random_damage_ends_in_a_sentence_and_in_time(self):
         random = np.random.default_rng(7)
