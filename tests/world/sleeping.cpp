@@ -225,7 +225,7 @@ TEST_CASE("what the user does wakes the island it concerns, on all ranks, and no
         run(w, 2);
         CHECK(asleep(w) == 16);
         CHECK(asleep_beyond(w) == 16);
-        run(w, 60);
+        run(w, 240);             // until the inserted sphere is pushed out of its neighbours
         CHECK(asleep(w) >= 31);  // and back to sleep
       });
 }

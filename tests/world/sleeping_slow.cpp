@@ -8,6 +8,8 @@
 #include <talus/shape/plane.hpp>
 #include <talus/shape/sphere.hpp>
 #include <talus/world/world.hpp>
+#include <type_traits>
+#include <vector>
 
 using namespace talus;
 
@@ -74,4 +76,31 @@ TEST_CASE("an inverted pendulum stays awake") {
     const auto bob = w.add(body{.shape = sphere{0.2}, .position = {1e-5, 0, 1}});
     (void)w.join(foot, bob, ball_joint{.at = {0, 0, 0}});
   }));
+}
+
+TEST_CASE("a stack that the correction of positions still moves stays awake until it stands") {
+  using boxes = bodies<box, plane>;
+  using awake = scenario<boxes, transport<serial>>;
+  using sleepy = scenario<boxes, features<sleeping>, transport<serial>>;
+  const real size = 0.02, dt = 1.0 / 60;
+  const auto stack = [&]<class Scenario>(std::type_identity<Scenario>) {
+    serial::link link;
+    world<Scenario> w(link);
+    w.gravity({0, 0, -9.81});
+    w.material({.restitution = 0.3, .friction = 0.5});
+    w.global([](auto& s) { s.add(plane{}, {}); });
+    for (int k = 0; k < 5; ++k)
+      w.add(body{.shape = box{{size, size, size}},
+                 .position = {0.05 * size * k, 0, (k + 0.55) * size}});
+    for (int k = 0; k < 600; ++k) w.step(dt);
+    if constexpr (std::is_same_v<Scenario, sleepy>) CHECK(measure_motion(w).asleep == 5);
+    std::vector<vec3> places;
+    w.for_each_local([&](const auto& b) { places.push_back(b.position()); });
+    return places;
+  };
+  const auto expected = stack(std::type_identity<awake>{});
+  const auto found = stack(std::type_identity<sleepy>{});
+  REQUIRE(found.size() == expected.size());
+  for (std::size_t k = 0; k < found.size(); ++k)
+    CHECK((found[k] - expected[k]).norm() < 1e-3 * size);
 }

@@ -8,22 +8,23 @@
 
 namespace talus::detail {
 
-/// Follows a body that is slow for a given time, and tells at the end whether it rests: by its
-/// velocity it has moved less than a thousandth of its radius and, on average, less in the second
-/// half of the time than in the first (a body that drifts, rolls or falls goes as far or farther);
-/// or so little that it is `negligible`, as heaps creep under few sweeps. A body whose velocity
-/// grows alike for three such times in a row does not rest however slow it is: it begins to slide,
-/// roll or tip over. What the correction of positions moves does not count.
+/// Follows a body that is slow for a given time, and tells at the end whether it rests: it has
+/// moved less than a thousandth of its radius and, on average, less in the second half of the time
+/// than in the first (a body that drifts, rolls or falls goes as far or farther); or so little that
+/// it is `negligible`, as heaps creep under few sweeps. A body whose velocity grows alike for three
+/// such times in a row does not rest however slow it is: it begins to slide, roll or tip over.
 class rest_judge {
  public:
   static constexpr real most = 1e-3, negligible = 5e-5, round_off = 1e-9;
 
   rest_judge(real time, real dt) : time_(time), dt_(dt) {}
 
-  /// Adds a step. Returns false if the body does not rest.
-  [[nodiscard]] bool add(drift_while_slow& m, real radius, const vec3& v, const vec3& w) const {
+  /// Adds a step with the velocities v and w, in which the body went dt * moved and turned by
+  /// dt * turned. Returns false if the body does not rest.
+  [[nodiscard]] bool add(drift_while_slow& m, real radius, const vec3& v, const vec3& w,
+                         const vec3& moved, const vec3& turned) const {
     if (m.since == 0) m.v = v, m.w = w;
-    m.travel += dt_ * v, m.turn += dt_ * w;
+    m.travel += dt_ * moved, m.turn += dt_ * turned;
     m.farthest = std::max(m.farthest, m.travel.norm() + radius * m.turn.norm());
     m.since += dt_;
     // Three such times end before the body may sleep, whatever the step.

@@ -154,6 +154,19 @@ template <class Scenario>
   return s.sleep.noted;
 }
 
+/// The way of a body in this step and its turn, over dt: with those of the position correction.
+template <class Scenario, class Store>
+[[nodiscard]] plain_pair<vec3, vec3> motion_in_step(const world_state<Scenario>& s,
+                                                    const Store& store, std::size_t i,
+                                                    std::size_t k) {
+  vec3 v = store.velocity[i], w = store.angular_velocity[i];
+  if constexpr (world_state<Scenario>::law::correction) {
+    v += in_scalar<real>(s.solver.shift[k].v);
+    if constexpr (Store::tensor) w += s.solver.turn[k - s.solver.first_tensor].w;
+  }
+  return {v, w};
+}
+
 /// Adds the step to the rest time of each body owned here.
 template <class Scenario>
 void advance_sleep_timers(world_state<Scenario>& s) {
@@ -168,7 +181,8 @@ void advance_sleep_timers(world_state<Scenario>& s) {
       const real radius = store.shape[i].bounding_radius();
       const vec3 &v = store.velocity[i], &w = store.angular_velocity[i];
       const bool is_slow = v.squaredNorm() < slow && radius * radius * w.squaredNorm() < slow;
-      const bool rests = is_slow && judge.add(store.drift[i], radius, v, w);
+      const auto [moved, turned] = motion_in_step(s, store, i, b.first + i);
+      const bool rests = is_slow && judge.add(store.drift[i], radius, v, w, moved, turned);
       if (!is_slow) rest_judge::restart(store.drift[i]);
       store.quiet[i] = rests ? store.quiet[i] + dt : 0;
       store.unborne[i] += dt;
