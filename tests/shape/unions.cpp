@@ -37,6 +37,34 @@ struct rough_box {
   [[nodiscard]] talus::chord chord(const vec3& p, const vec3& d) const { return of.chord(p, d); }
 };
 
+/// A shape of a user's own, known by its support function alone.
+template <class Of>
+struct own {
+  Of of;
+  static constexpr bool finite = true;
+  static constexpr bool isotropic = false;
+  static constexpr const char* name = "own";
+  void validate() const {}
+  [[nodiscard]] real bounding_radius() const { return of.bounding_radius(); }
+  [[nodiscard]] real volume() const { return of.volume(); }
+  [[nodiscard]] vec3 inertia() const { return of.inertia(); }
+  [[nodiscard]] vec3 support(const vec3& d) const { return of.support(d); }
+  [[nodiscard]] vec3 half_extents(const pose& at) const { return of.half_extents(at); }
+  [[nodiscard]] decltype(auto) frame() const requires requires { of.frame(); }
+  { return of.frame(); }
+  template <class Writer>
+  void pack(Writer& out) const requires requires {
+    of.pack(out);
+  }
+  { of.pack(out); }
+  template <class Reader>
+  static own unpack(Reader& in) requires requires {
+    Of::unpack(in);
+  }
+  { return {Of::unpack(in)}; }
+  friend bool operator==(const own&, const own&) = default;
+};
+
 bool inside(const sphere& s, const vec3& p) { return p.norm() <= s.radius; }
 bool inside(const box& s, const vec3& p) { return at_most((2 * p).cwiseAbs(), s.size); }
 bool inside(const capsule& s, const vec3& p) {
@@ -317,6 +345,36 @@ TEST_CASE("a superellipsoid shares its volume with other parts once") {
   check_same_moments(
       grains({{.shape = block}, {.shape = box{{0.2, 0.2, 0.2}}, .at = {{0.7, 0.7, 0.7}}}}),
       grains({{.shape = block}}), 1e-6);
+}
+
+TEST_CASE("a shape of one's own without chords shares its volume with other parts once") {
+  const pose turned{{0.4, 0.3, -0.2}, rotation({1, 2, 3}, 0.7)};
+  const auto test = [&](const auto& shape, const auto& other) {
+    using of = std::decay_t<decltype(shape)>;
+    using with = std::decay_t<decltype(other)>;
+    INFO(of::name << " and " << with::name);
+    const union_of<of, with> known({{.shape = shape}, {.shape = other, .at = turned}});
+    const union_of<own<of>, with> one(
+        {{.shape = own<of>{shape}}, {.shape = other, .at = turned, .density = 1}});
+    check_same_moments(known, one, 2e-6);
+    CHECK(one.volume() < (1 - 1e-3) * (shape.volume() + other.volume()));
+    // In the other order, both by their support functions.
+    const union_of<own<of>, own<with>> both(
+        {{.shape = own<with>{other}, .at = turned}, {.shape = own<of>{shape}}});
+    check_same_moments(known, both, 2e-6);
+  };
+  test(ellipsoid{{1, 0.7, 0.5}}, sphere{0.6});
+  test(box{{1, 0.7, 0.5}}, sphere{0.6});
+  test(cylinder{0.5, 0.9}, box{{1, 0.7, 0.5}});
+  test(capsule{0.3, 0.9}, ellipsoid{{1, 0.7, 0.5}});
+  test(convex_polyhedron({{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 0, 1.5}}), cylinder{0.3, 0.5});
+  // A copy inside of itself, and a part that only touches.
+  using own_ball = own<ellipsoid>;
+  const own_ball ball{{{0.5, 0.5, 0.5}}};
+  CHECK(union_of<own_ball>({{.shape = ball}, {.shape = ball}}).volume() ==
+        doctest::Approx(ball.volume()).epsilon(1e-6));
+  CHECK(union_of<own_ball>({{.shape = ball}, {.shape = ball, .at = {{1, 0, 0}}}}).volume() ==
+        doctest::Approx(2 * ball.volume()).epsilon(1e-9));
 }
 
 TEST_CASE("boxes and polyhedra that overlap weigh their true volume to round-off") {

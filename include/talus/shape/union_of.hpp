@@ -54,8 +54,8 @@ inline constexpr bool is_part_of_union = [] {
 /// material) times volume; volume that parts share counts once, with the largest of their
 /// densities, unless `.overlaps = overlap_rule::counted` says otherwise. Where no more than two
 /// spheres overlap, or boxes and polyhedra alone, mass, centre and inertia are closed forms; where
-/// more spheres do, they are exact to 1e-8, and between other shapes to 1e-6. Parts without
-/// `chord(p, d)` count in full. Equal unions share what was computed for the first.
+/// more spheres do, they are exact to 1e-8, and between other shapes to 1e-6. Parts with a member
+/// `chord(p, d)` are measured faster. Equal unions share what was computed for the first.
 /// The frame of the body lies at the centre of mass along the principal axes: `frame()` gives it in
 /// the coordinates of the parts, and `placed(shape, pose)` of shape/frame.hpp gives the pose of a
 /// body whose parts lie at the given coordinates.

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "talus/core/math.hpp"
@@ -33,10 +35,18 @@ struct kronrod_rule {
       0.381830050505118944950369775488975, 0.417959183673469387755102040816327};
 };
 
+/// How exact an integral has to be, of moments in units of the size of a part.
+struct line_budget {
+  real tolerance = 1e-7;
+  /// Lines that may be drawn; after them, intervals are not halved any more.
+  std::size_t left = std::numeric_limits<std::size_t>::max();
+};
+
 /// The integral of f over an interval, halved until the two rules agree within `tolerance` (of
-/// moments in units of `size`), or `depth` times.
+/// moments in units of `size`), or `depth` times, or until no lines are left.
 template <class F>
-[[nodiscard]] ten_moments integral(real from, real to, real tolerance, int depth, F&& f) {
+[[nodiscard]] ten_moments integral(real from, real to, real tolerance, int depth,
+                                   const line_budget& lines, F&& f) {
   const real middle = (from + to) / 2, half = (to - from) / 2;
   ten_moments fine{}, coarse{};
   for (std::size_t k = 0; k < 8; ++k)
@@ -53,9 +63,9 @@ template <class F>
     fine[m] *= half, coarse[m] *= half;
     error = std::max(error, std::abs(fine[m] - coarse[m]));
   }
-  if (error <= tolerance || depth == 0) return fine;
-  ten_moments sum = integral(from, middle, tolerance, depth - 1, f);
-  const ten_moments second = integral(middle, to, tolerance, depth - 1, f);
+  if (error <= tolerance || depth == 0 || lines.left == 0) return fine;
+  ten_moments sum = integral(from, middle, tolerance, depth - 1, lines, f);
+  const ten_moments second = integral(middle, to, tolerance, depth - 1, lines, f);
   for (std::size_t m = 0; m < 10; ++m) sum[m] += second[m];
   return sum;
 }
@@ -69,10 +79,12 @@ struct part_bounds {
 /// the part in its frame, the bounds of the others, and functions that give the chord along the x
 /// axis of that frame and the support function h of the part (number 0) and of the others.
 /// Integrals end where a part ends, in z and in y for each z: so no part is too small to be found.
+/// Chords that are not exact to round-off need bounds for the lines.
 template <class Chords, class Supports>
 [[nodiscard]] mass_moments<real> shared_by_parts(const vec3& half,
                                                  const std::vector<part_bounds>& others,
-                                                 Chords&& chord_at, Supports&& support_at) {
+                                                 line_budget lines, Chords&& chord_at,
+                                                 Supports&& support_at) {
   mass_moments<real> sum;
   const real size = std::max({half[0], half[1], half[2]});
   std::vector<chord> inside, ranges;
@@ -80,6 +92,7 @@ template <class Chords, class Supports>
   std::vector<real> ends, ends_in_plane;
   const auto along_line = [&](real y, real z) {
     ten_moments m{};
+    lines.left -= lines.left > 0;
     const chord own = chord_at(0, vec3(0, y, z));
     if (own.empty()) return m;
     inside.clear();
@@ -105,7 +118,7 @@ template <class Chords, class Supports>
     return m;
   };
   constexpr int depth = 24;
-  constexpr real tolerance = 1e-7;
+  const real tolerance = lines.tolerance;
   const real box = half[0] * half[1] * half[2] / (size * size * size);
   // Of f over the intervals between neighbouring ends, unless they are of zero length.
   const auto over = [&](std::vector<real>& all, real allowed, auto&& f) {
@@ -113,7 +126,15 @@ template <class Chords, class Supports>
     ten_moments total{};
     for (std::size_t k = 0; k + 1 < all.size(); ++k) {
       if (!(all[k + 1] - all[k] > real(1e-13) * size)) continue;
-      const ten_moments one = integral(all[k] / size, all[k + 1] / size, allowed, depth, f);
+      // Lengths and areas grow like square roots from the ends: over t of (3 t - t^3) / 2 they
+      // grow evenly.
+      const real middle = (all[k] + all[k + 1]) / (2 * size);
+      const real reach = (all[k + 1] - all[k]) / (2 * size);
+      const ten_moments one = integral(-1, 1, allowed, depth, lines, [&](real t) {
+        ten_moments at = f(middle + reach * (t * (3 - t * t) / 2));
+        for (real& m : at) m *= reach * (real(1.5) * (1 - t * t));
+        return at;
+      });
       for (std::size_t m = 0; m < 10; ++m) total[m] += one[m];
     }
     return total;

@@ -11,6 +11,7 @@
 #include "talus/shape/detail/ball_overlaps.hpp"
 #include "talus/shape/detail/part_overlaps.hpp"
 #include "talus/shape/detail/solid_overlaps.hpp"
+#include "talus/shape/detail/support_chord.hpp"
 #include "talus/shape/detail/union_parts.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/shape/principal_axes.hpp"
@@ -36,10 +37,8 @@ template <class Real, class... Shapes>
 class shared_moments {
   using parts_type = union_parts<Shapes...>;
   static constexpr bool only_spheres = (... && std::is_same_v<Shapes, sphere>);
-  template <class Shape>
-  static constexpr bool has_chord = requires(const Shape& s, const vec3& p) {
-    { s.chord(p, p) } -> std::same_as<chord>;
-  };
+  /// For parts whose chords are found by a search, which may take microseconds each.
+  static constexpr line_budget searched{1e-6, 1000000};
 
  public:
   /// The parts, sorted, at their places.
@@ -97,10 +96,9 @@ class shared_moments {
     if (is_ball_[i] && is_ball_[j]) return balls_meet(ball_of(i), ball_of(j));
     bool meet = true;
     if constexpr (!only_spheres)
-      parts_.visit(i, [&]<class A>(const A& a, const pose& of_a, real) {
-        parts_.visit(j, [&]<class B>(const B& b, const pose& of_b, real) {
-          meet = has_chord<A> && has_chord<B> && boxes_meet(a, of_a, b, of_b) &&
-                 boxes_meet(b, of_b, a, of_a);
+      parts_.visit(i, [&](const auto& a, const pose& of_a, real) {
+        parts_.visit(j, [&](const auto& b, const pose& of_b, real) {
+          meet = boxes_meet(a, of_a, b, of_b) && boxes_meet(b, of_b, a, of_a);
         });
       });
     return meet;
@@ -133,9 +131,8 @@ class shared_moments {
         return sum;
       }
     if constexpr (!only_spheres)
-      parts_.visit(i, [&]<class A>(const A& a, const pose& at, real) {
-        if constexpr (has_chord<A>) sum = turned(by_lines(a, at), at);
-      });
+      parts_.visit(i,
+                   [&](const auto& a, const pose& at, real) { sum = turned(by_lines(a, at), at); });
     return sum;
   }
   /// In the frame of the part.
@@ -159,8 +156,10 @@ class shared_moments {
     std::vector<pose> places;      // of the others, in the frame of the part
     std::vector<pose> turns;       // from the frame of the part to those of the others
     std::vector<vec3> directions;  // of the lines, in the frames of the others
+    bool exact = has_chord<A>;
     for (const std::size_t j : earlier_)
-      parts_.visit(j, [&](const auto& b, const pose& of_b, real) {
+      parts_.visit(j, [&]<class B>(const B& b, const pose& of_b, real) {
+        exact = exact && has_chord<B>;
         const pose there = combined(back, of_b);
         const vec3 reach = b.half_extents({{0, 0, 0}, there.orientation});
         bounds.push_back({there.position - reach, there.position + reach});
@@ -169,13 +168,12 @@ class shared_moments {
         directions.push_back(turns.back().to_world(vec3(1, 0, 0)));
       });
     return shared_by_parts(
-        a.half_extents(pose{}), bounds,
+        a.half_extents(pose{}), bounds, exact ? line_budget{} : searched,
         [&](std::size_t n, const vec3& p) {
-          if (n == 0) return a.chord(p, vec3(1, 0, 0));
+          if (n == 0) return chord_of(a, p, vec3(1, 0, 0));
           chord found = no_chord;
-          parts_.visit(earlier_[n - 1], [&]<class B>(const B& b, const pose&, real) {
-            if constexpr (has_chord<B>)
-              found = b.chord(places[n - 1].to_body(p), directions[n - 1]);
+          parts_.visit(earlier_[n - 1], [&](const auto& b, const pose&, real) {
+            found = chord_of(b, places[n - 1].to_body(p), directions[n - 1]);
           });
           return found;
         },
