@@ -74,13 +74,15 @@ struct superellipsoid {
     const auto reaches_end = [&](real& t, real side) {
       for (int k = 0; k < 60; ++k) {
         const surface_level at = level(p + t * d);
-        const real rise = side * at.gradient.dot(d);
+        const real above = at.value - 1, rise = side * at.gradient.dot(d);
         if (!(rise > 0)) return false;  // beyond the point of the line that is nearest
-        const real step = (at.value - 1) / rise;
+        // Where the surface is nearly along the line, round-off of the norm makes long steps.
+        if (above <= real(1e-15)) return true;
+        const real step = above / rise;
         t -= side * step;
-        if (!(std::abs(step) > real(1e-14) * (ball.to - ball.from))) return true;
+        if (!(step > real(1e-14) * (ball.to - ball.from))) return true;
       }
-      return false;
+      return level(p + t * d).value <= 1 + real(1e-12);
     };
     talus::chord inside = ball;
     return reaches_end(inside.from, -1) && reaches_end(inside.to, 1) ? inside : detail::no_chord;
