@@ -14,6 +14,7 @@
 #include "solids.hpp"
 #include "talus/detect/pairs/mesh_any.hpp"
 #include "talus/detect/ray_cast.hpp"
+#include "talus/shape/superellipsoid.hpp"
 #include "talus/shape/union_of.hpp"
 
 using namespace talus;
@@ -28,6 +29,7 @@ real outside(const lens& s, const vec3& p) {
   const real c = s.ball() - s.thickness / 2;
   return std::max((p - vec3(0, 0, c)).norm(), (p + vec3(0, 0, c)).norm()) - s.ball();
 }
+real outside(const superellipsoid& s, const vec3& p) { return s.level(p).value - 1; }
 real outside(const plane& s, const vec3& p) { return s.distance(p); }
 /// Convex along each line for all convex shapes.
 template <class Shape>
@@ -213,6 +215,68 @@ TEST_CASE("a ray meets each convex shape where its signed distance falls to zero
     test_rays(s, pose{}, random, 1, met);
     test_nearest(s, pose{}, random, 1);
   }
+}
+
+TEST_CASE("a ray that starts on a surface and leaves it meets nothing, and one that enters does") {
+  generator random;
+  const auto test = [&](const auto& s, int k) {
+    CAPTURE(std::string(s.name));
+    CAPTURE(k);
+    const pose at{random.point(5), random.turn()};
+    const pose turn{{0, 0, 0}, at.orientation};
+    const real r = s.bounding_radius();
+    const vec3 n = random.direction(), d = random.direction();
+    // On the surface, in front of it and behind it, by round-off.
+    const vec3 p = s.support(n) * (1 + (k % 3 - 1) * 1e-13);
+    const real slope = n.dot(d);
+    const surface_hit hit = detail::ray_meets(s, at, at.to_world(p), turn.to_world(d), endless);
+    if (slope >= 0) {
+      CHECK_FALSE(hit.found());
+      return;
+    }
+    // Through the body, if it goes in and not past an edge.
+    if (!(outside(s, p + 1e-3 * r * d) < -1e-5 * r)) return;
+    REQUIRE(hit.found());
+    CHECK_FALSE(hit.inside);
+    CHECK(hit.distance < 1e-8 * r);
+    CHECK(hit.normal.dot(turn.to_world(d)) < 0);
+    // From deeper inside.
+    const surface_hit deep =
+        detail::ray_meets(s, at, at.to_world(p * (1 - 1e-6)), turn.to_world(d), endless);
+    CHECK(deep.inside);
+  };
+  for (int k = 0; k < 1000; ++k) {
+    each_convex_shape(random, [&](const auto& s) { test(s, k); });
+    test(
+        superellipsoid{
+            {random(0.2, 1), random(0.2, 1), random(0.2, 1)}, random(2, 8), random(2, 8)},
+        k);
+    const plane floor{random.direction(), random(-2, 2)};
+    const vec3 p = floor.normal * floor.offset + 3 * random.direction().cross(floor.normal);
+    const vec3 d = random.direction();
+    const surface_hit hit = detail::ray_meets(floor, pose{}, p, d, endless);
+    CHECK(hit.found() == (d.dot(floor.normal) < 0));
+    if (hit.found()) CHECK_FALSE(hit.inside);
+  }
+  // Of triangles: a start on the surface is in front of it.
+  const triangle_mesh m(hills(12));
+  for (int k = 0; k < 1000; ++k) {
+    const auto t = static_cast<std::uint32_t>(random(0, double(m.triangles())));
+    const vec3 p = (m.tree().corner(t, 0) + m.tree().corner(t, 1) + m.tree().corner(t, 2)) / 3;
+    const vec3 d = random.direction();
+    const surface_hit hit = detail::ray_meets(m, pose{}, p, d, endless);
+    if (d.dot(m.tree().normals[t]) < 0)
+      CHECK(hit.distance < 1e-9);
+    else
+      CHECK(hit.distance > 1e-9);
+  }
+  // Along a flat face, and a union whose second part the ray enters as it leaves the first.
+  const box cube{{2, 2, 2}};
+  for (const real off : {-1e-15, 0., 1e-15})
+    CHECK_FALSE(detail::ray_meets(cube, pose{}, {0.3, 0.2, 1 + off}, {1, 0, 0}, endless).found());
+  const union_of<box> two({{.shape = cube}, {.shape = cube, .at = {{0, 0, 2}}}});
+  CHECK(detail::ray_meets(two, pose{}, {0.3, 0.2, 0}, {0, 0, 1}, endless).found());
+  CHECK_FALSE(detail::ray_meets(two, pose{}, {0.3, 0.2, 2}, {0, 0, 1}, endless).found());
 }
 
 TEST_CASE("a ray meets a union where it meets its first part, and a surface as each triangle") {

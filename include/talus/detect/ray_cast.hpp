@@ -52,19 +52,45 @@ namespace talus::detail {
   return n;
 }
 
+/// Of a shape whose surface is a level of a function.
+template <class Shape>
+[[nodiscard]] vec3 normal_where(const Shape& s, const vec3& p, const vec3&) requires requires {
+  s.level(p);
+}
+{ return unit(s.level(p).gradient); }
+
 template <class Shape>
 concept cut_by_rays = requires(const Shape& s, const vec3& v) {
   s.chord(v, v);
   normal_where(s, v, v);
 };
 
-/// Where the ray meets the triangles, from either side; in the frame of the surface. Whether a line
+/// A start that is nearer to a surface than this lies on it, relative to its distance from the
+/// middle of the body.
+inline constexpr real start_tolerance = 2e-9;
+
+/// What a ray meets that starts in a convex body or on its surface, of which the chord is given. A
+/// start on the surface is moved out: the ray then enters the body, or leaves it and meets nothing.
+template <class Shape>
+[[nodiscard]] surface_hit ray_from_body(const Shape& s, const chord& given, const vec3& start,
+                                        const vec3& along) {
+  const chord moved = s.chord((1 + start_tolerance) * start, along);
+  if (moved.empty() || !(moved.to > 0)) return {};
+  if (!(moved.from > 0)) return hit_at_start(start, along);
+  const real enters = std::max(given.from, real(0));
+  const vec3 p = start + enters * along;
+  return {enters, p, normal_where(s, p, along), false};
+}
+
+/// Where the ray meets the triangles, from either side; in the frame of the surface. A start on the
+/// surface counts as in front of it, where its normals point. Whether a line
 /// passes an edge on the left is decided by the numbers of its ends, alike for both triangles of
 /// the edge, so no ray slips between them.
 [[nodiscard]] inline surface_hit ray_meets_triangles(const triangle_tree& m, const vec3& from,
                                                      const vec3& d, real length) {
   const real middle = -from.dot(d);  // numbers of the size of the surface, for a far start
   const vec3 p = from + middle * d;
+  const real round_off = real(1e-12) * (m.bounding_radius + from.norm());
   surface_hit best;
   const auto left_of = [&](std::uint32_t i, std::uint32_t j) {
     const real volume =
@@ -78,8 +104,11 @@ concept cut_by_rays = requires(const Shape& s, const vec3& v) {
     const real slope = m.normals[t].dot(d);
     if (through && u + v + w != 0 && slope != 0) {
       const real way = middle + m.normals[t].dot(m.corner(t, 0) - p) / slope;
-      if (way >= 0 && way <= length && way < best.distance)
-        best = {way, from + way * d, slope < 0 ? m.normals[t] : vec3(-m.normals[t]), false};
+      const bool at_start = std::abs(way) <= round_off;
+      if (at_start ? slope > 0 : way < 0) return std::min(length, best.distance);
+      if (way <= length && way < best.distance)
+        best = {std::max(way, real(0)), from + std::max(way, real(0)) * d,
+                slope < 0 ? m.normals[t] : vec3(-m.normals[t]), false};
     }
     return std::min(length, best.distance);
   });
@@ -93,9 +122,10 @@ template <class B>
   surface_hit best;
   if constexpr (!B::finite) {
     const real height = b.distance(from), closing = -b.unit_normal().dot(d);
-    if (height <= 0) return hit_at_start(from, d);
-    if (closing > 0 && height / closing <= length)
-      best = {height / closing, from + height / closing * d, b.unit_normal(), false};
+    const real round_off = real(1e-12) * (from.norm() + std::abs(height));
+    if (height < -round_off) return hit_at_start(from, d);
+    const real way = std::max(height, real(0)) / closing;
+    if (closing > 0 && way <= length) best = {way, from + way * d, b.unit_normal(), false};
     return best;
   } else {
     const chord near =
@@ -119,12 +149,29 @@ template <class B>
       const chord c = b.chord(q, along);
       const real enters = middle + c.from, leaves = middle + c.to;
       if (c.empty() || !(leaves > 0) || !(enters <= length)) return best;
-      if (enters <= 0) return hit_at_start(from, d);
+      if (enters <= start_tolerance * b.bounding_radius()) {
+        const surface_hit hit = ray_from_body(b, chord{enters, leaves}, p, along);
+        if (hit.inside) return hit_at_start(from, d);
+        if (hit.found())
+          best = {hit.distance, from + hit.distance * d, turn.to_world(hit.normal), false};
+        return best;
+      }
       best = {enters, from + enters * d, turn.to_world(normal_where(b, q + c.from * along, along)),
               false};
     } else {
-      best = cast_convex(ball_form{0}, pose{from, {1, 0, 0, 0}}, form_of(b), at, d, length,
-                         b.bounding_radius());
+      const auto cast = [&](const vec3& start) {
+        return cast_convex(ball_form{0}, pose{start, {1, 0, 0, 0}}, form_of(b), at, d, length,
+                           b.bounding_radius());
+      };
+      best = cast(from);
+      if (best.found() && best.distance <= start_tolerance * b.bounding_radius()) {
+        // As ray_from_body.
+        const surface_hit moved = cast(from + start_tolerance * (from - at.position));
+        if (moved.inside) return hit_at_start(from, d);
+        const real way = best.distance;
+        best = moved;
+        if (best.found()) best.distance = way;
+      }
       if (best.found()) best.point = from + best.distance * d;
     }
     return best;
