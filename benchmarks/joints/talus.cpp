@@ -22,6 +22,7 @@ struct solid {
   static constexpr bool finite = true;
   static constexpr bool isotropic = false;
   static constexpr const char* name = "solid";
+  static constexpr bool homogeneous = false;  // any moments
   void validate() const {}
   [[nodiscard]] talus::real bounding_radius() const { return radius; }
   [[nodiscard]] talus::real volume() const { return 1; }

@@ -129,9 +129,10 @@ concept finite_shape = shape<Shape> && Shape::finite &&
 /// points
 ///   to rounding errors where a smooth shape is flat
 /// - `numbers`: the names of its numbers, in the order of its members, for checkpoints and Python
-/// A shape without form() is tested when bodies with it are added: its support function must be
-/// that of a convex body with the centre of mass inside, and within the bounds
-/// (shape/support_check.hpp).
+/// - `homogeneous`: false if its mass does not fill it evenly, as that of a hollow body
+/// A shape of a user's own is tested when bodies with it are added: its support function must be
+/// that of a convex body with the centre of mass inside, and within the bounds, and volume and
+/// inertia must be about those of that body (shape/support_check.hpp).
 template <class Shape>
 concept convex_shape = finite_shape<Shape> && !requires(const Shape& s) {
   s.parts();

@@ -2,6 +2,7 @@
 // Whether the functions of a shape of a user's own are those of one convex body: its support
 // function at sampled directions, its volume and its inertia. A mistake there would show as bodies
 // that sink into each other, or that turn too slowly, far from its cause.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -11,6 +12,19 @@
 #include "talus/concepts.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/shape/detail/support_moments.hpp"
+
+namespace talus {
+
+struct sphere;
+struct box;
+struct capsule;
+struct cylinder;
+struct ellipsoid;
+struct superellipsoid;
+class convex_polyhedron;
+
+}  // namespace talus
 
 namespace talus::detail {
 
@@ -111,6 +125,53 @@ struct untested_shape {
   }
 }
 
+/// Throws invalid_argument, with the values, unless the volume, the centre of mass and the moments
+/// per unit of mass are about those of the body of the support function: the volume to a tenth, the
+/// moments to a quarter, the centre to a twentieth of the bounding radius.
+[[gnu::cold]] inline void require_filled_shape(const untested_shape& s, real volume,
+                                               const vec3& moments) {
+  const real r = s.bounding_radius;
+  const auto known = moments_by_support(
+      [&](const vec3& d) -> vec3 { return s.support(s.shape, d) / s.bounding_radius; });
+  constexpr const char* or_else =
+      "if its mass is not spread evenly, as that of a hollow body, give it `static constexpr bool "
+      "homogeneous = false;`";
+  const real true_volume = known.mass * r * r * r;
+  if (!(std::abs(volume - true_volume) <= real(0.1) * true_volume))
+    fail<std::invalid_argument>(
+        "volume() of a {} returns {}, but the body of its support function has about {}; return "
+        "that, and {}",
+        s.name, volume, true_volume, or_else);
+  const vec3 centre = known.first / known.mass;
+  if (!(centre.norm() <= real(0.05)))
+    fail<std::invalid_argument>(
+        "the centre of mass of a {} is the origin of its support function, but that of the body of "
+        "this function lies at about {}; return points as seen from there, and {}",
+        s.name, r * centre, or_else);
+  const mat3 spread = known.second / known.mass;
+  vec3 right;
+  real mixed = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    right[i] = r * r * (spread(j, j) + spread(k, k));
+    mixed = std::max(mixed, r * r * std::abs(spread(j, k)));
+  }
+  bool good = true;
+  for (int i = 0; i < 3; ++i)
+    good = good && std::abs(moments[i] - right[i]) <= real(0.25) * right[i];
+  if (!good)
+    fail<std::invalid_argument>(
+        "inertia() of a {} returns {}, but the body of its support function has about {}; return "
+        "the moments about the axes x, y and z per unit of mass, and {}",
+        s.name, moments, right, or_else);
+  if (!(mixed <= real(0.1) * right.maxCoeff()))
+    fail<std::invalid_argument>(
+        "the axes of a {} are not its principal axes of inertia: the body of its support function "
+        "has the moments {} about them, and products of inertia of up to {}; turn its points to "
+        "the principal axes, and {}",
+        s.name, right, mixed, or_else);
+}
+
 /// Throws invalid_argument, with the values, for a volume and moments per unit of mass that no body
 /// within the bounding radius can have, or that hardly any body has: less than a hundredth of those
 /// of a ball of the volume.
@@ -151,35 +212,62 @@ struct untested_shape {
     refuse(compose("together less than {}, a hundredth of those of a ball of its volume", least));
 }
 
-/// Whether the support function of a shape is all that is known of it.
+/// The convex shapes of talus.
 template <class Shape>
-inline constexpr bool untested_support =
-    concepts::convex_shape<Shape> && !requires(const Shape& s) {
-  s.form();
-};
-/// Whether the support function is all that is known of a shape, or of a part of a union.
+inline constexpr bool is_known_shape = false;
+template <>
+inline constexpr bool is_known_shape<talus::sphere> = true;
+template <>
+inline constexpr bool is_known_shape<talus::box> = true;
+template <>
+inline constexpr bool is_known_shape<talus::capsule> = true;
+template <>
+inline constexpr bool is_known_shape<talus::cylinder> = true;
+template <>
+inline constexpr bool is_known_shape<talus::ellipsoid> = true;
+template <>
+inline constexpr bool is_known_shape<talus::superellipsoid> = true;
+template <>
+inline constexpr bool is_known_shape<talus::convex_polyhedron> = true;
+
+/// Whether a shape is tested when it is used: a convex one of a user's own.
 template <class Shape>
-inline constexpr bool has_untested_support = untested_support<Shape>;
+inline constexpr bool is_tested_shape = concepts::convex_shape<Shape> && !is_known_shape<Shape>;
+/// Whether the mass of a shape fills it evenly.
+template <class Shape>
+inline constexpr bool is_homogeneous = [] {
+  if constexpr (requires { Shape::homogeneous; })
+    return bool(Shape::homogeneous);
+  else
+    return true;
+}();
+/// Whether a shape, or a part of a union, is tested.
+template <class Shape>
+inline constexpr bool has_tested_shape = is_tested_shape<Shape>;
 template <template <class...> class Union, class... Parts>
-inline constexpr bool has_untested_support<Union<Parts...>> = untested_support<Union<Parts...>> ||
-                                                              (... || untested_support<Parts>);
+inline constexpr bool has_tested_shape<Union<Parts...>> = is_tested_shape<Union<Parts...>> ||
+                                                          (... || is_tested_shape<Parts>);
 
 /// Tests a shape, or the parts of a union: of each type the first 64 values that differ from the
-/// one before, on each thread.
+/// one before, on each thread, and the mass against the support function of the first eight.
 template <class Shape>
 void require_convex(const Shape& s) {
-  if constexpr (untested_support<Shape>) {
-    thread_local int left = 64;
+  if constexpr (is_tested_shape<Shape>) {
+    constexpr int values = 64, filled = 8;
+    thread_local int left = values;
     thread_local Shape last;
-    if (left == 0 || (left < 64 && s == last)) return;
-    require_convex_support({&s, Shape::name, s.bounding_radius(),
-                            [](const void* shape, const vec3& d) -> vec3 {
-                              return static_cast<const Shape*>(shape)->support(d);
-                            },
-                            [](const void* shape, const pose& at) -> vec3 {
-                              return static_cast<const Shape*>(shape)->half_extents(at);
-                            }});
+    if (left == 0 || (left < values && s == last)) return;
+    const untested_shape one{&s, Shape::name, s.bounding_radius(),
+                             [](const void* shape, const vec3& d) -> vec3 {
+                               return static_cast<const Shape*>(shape)->support(d);
+                             },
+                             [](const void* shape, const pose& at) -> vec3 {
+                               return static_cast<const Shape*>(shape)->half_extents(at);
+                             }};
+    require_convex_support(one);
     require_mass_of_shape(Shape::name, s.volume(), s.inertia(), s.bounding_radius());
+    if (is_homogeneous<Shape> && left > values - filled)
+      require_filled_shape(one, s.volume(), s.inertia());
     last = s, --left;
   } else if constexpr (requires { s.each_part([](const auto&, const pose&) {}); }) {
     s.each_part([](const auto& part, const pose&) { require_convex(part); });

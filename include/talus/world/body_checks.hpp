@@ -45,7 +45,7 @@ template <class Shape>
 template <class Shape>
 void require_sane(const body<Shape>& b, const material_table& materials, bool global = false) {
   b.shape.validate();
-  if constexpr (has_untested_support<Shape>) require_convex(b.shape);
+  if constexpr (has_tested_shape<Shape>) require_convex(b.shape);
   require_finite("the position of a body", b.position);
   require_finite("the velocity of a body", b.velocity);
   require_finite("the angular velocity of a body", b.angular_velocity);
