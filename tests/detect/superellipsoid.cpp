@@ -264,3 +264,50 @@ TEST_CASE("normals and points do not jump while a superellipsoid rolls over anot
     }
   }
 }
+
+TEST_CASE("a superellipsoid touches the edges of a box to 1e-12 of its size") {
+  generator random{std::mt19937_64(21)};
+  int edges = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const superellipsoid a{
+        {random(0.5, 1.5), random(0.5, 1.5), random(0.5, 1.5)}, random(2, 8), random(2, 8)};
+    const box b{{random(0.5, 2.5), random(0.5, 2.5), random(0.5, 2.5)}};
+    const quat turn = random.turn();
+    const pose pb{{0, 0, 0}, random.turn()};
+    const vec3 d = random.direction();
+    const auto touch = [&](real way) {
+      std::optional<contact_geometry> found;
+      collide_pair(a, pose{way * d, turn}, b, pb, 9, [&](const contact_geometry& c) {
+        if (!found || c.gap < found->gap) found = c;
+      });
+      return found;
+    };
+    real low = 0, high = 9;
+    for (int n = 0; n < 30; ++n) {
+      const real way = (low + high) / 2;
+      (touch(way)->gap > 0 ? high : low) = way;
+    }
+    const real way = high + random(-0.005, 0.01);
+    const auto c = touch(way);
+    const pose pa{way * d, turn};
+    const vec3 normal = pb.orientation.conjugate() * c->normal;
+    // Across one axis of the box, up to the errors of old.
+    int across = 0, along = 0;
+    for (int i = 0; i < 3; ++i) (std::abs(normal[i]) < 1e-5 ? across : along)++;
+    if (across != 1) continue;
+    ++edges;
+    CAPTURE(k);
+    const vec3 on_a = pa.to_body(vec3(c->point + 0.5 * c->gap * c->normal));
+    const vec3 on_b = pb.to_body(vec3(c->point - 0.5 * c->gap * c->normal));
+    const surface_level l = a.level(on_a);
+    CHECK(std::abs(l.value - 1) < 1e-12);
+    CHECK((turn * unit(l.gradient) + c->normal).norm() < 1e-12);
+    for (int i = 0; i < 3; ++i) {
+      if (std::abs(normal[i]) < 1e-5)
+        CHECK(std::abs(normal[i]) < 1e-12);
+      else
+        CHECK(std::abs(std::abs(on_b[i]) - b.half()[i]) < 1e-12);
+    }
+  }
+  CHECK(edges > 500);
+}
