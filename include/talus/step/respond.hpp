@@ -131,7 +131,7 @@ void solve_contacts(world_state<Scenario>& s) {
   bool kept = false;
   if constexpr (!coloured && !alone)
     ranks.before_strikes = [&] {
-      if (s.settings.tolerance == 0) passivity(s, ranks).keep();
+      passivity(s, ranks).keep();
       kept = true;
     };
   const solved done =
@@ -145,8 +145,8 @@ void solve_contacts(world_state<Scenario>& s) {
   }
   if constexpr (world_state<Scenario>::law::restitution) end_impacts(lists, s.solver);
   if constexpr (coloured && !alone) drop_foreign_bodies(s);
-  if (!kept && !(done.residual <= s.settings.tolerance))  // else the remaining work is within it
-    passivity(s, ranks).keep();
+  // Also within a tolerance: the residual is relative to the impulses, which bounds no energy.
+  if (!kept) passivity(s, ranks).keep();
 }
 
 /// Stores the impulses for the next step. Those of contacts that were kept have their places.
