@@ -39,6 +39,8 @@ class shared_velocities {
 
   explicit shared_velocities(state_type& s) : s_(s) {}
 
+  [[nodiscard]] bool single() const { return s_.on_one_rank(); }
+
   std::function<void()> before_strikes;  ///< see impact_stage.hpp
 
   /// The joints of this rank, and those of other ranks in the same islands, in an order that does

@@ -67,8 +67,8 @@ struct nonlinear_gauss_seidel final {
     if constexpr (joined) ranks.prepare_joints();
     const bool looks = s.islands.due();
     // A step after one that left nothing to change, on one rank, may need a single sweep.
-    const bool settled = alone && !detail::has_joints<Lists> && looks && s.islands.settled() &&
-                         !s.impacts && !watch.monitored();
+    const bool settled = ranks.single() && !detail::has_joints<Lists> && looks &&
+                         s.islands.settled() && !s.impacts && !watch.monitored();
     detail::impact_schedule impacts(settings.iterations, watch.monitored(),
                                     s.rebounds && (!alone || s.impacts));
     // Stalled islands are solved after the last sweep that does not strike.

@@ -368,6 +368,13 @@ struct world_state : response_state<Scenario>,
     this->changed = false;
     if constexpr (traits::filters) filtered.changed = false;
   }
+  /// Whether this rank has all bodies.
+  [[nodiscard]] constexpr bool on_one_rank() const {
+    if constexpr (link_type::alone)
+      return true;
+    else
+      return this->link->size() == 1;
+  }
   /// Whether the contacts of this run are solved colour by colour.
   [[nodiscard]] constexpr bool by_colours() const {
     if constexpr (traits::two_solvers)

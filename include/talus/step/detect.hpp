@@ -44,14 +44,31 @@ void wake_ahead(world_state<Scenario>& s) {
   (void)wake_islands_in_step(s);
 }
 
+/// Makes the contacts of pairs of spheres, or keeps them.
+template <class Scenario>
+class found_spheres {
+ public:
+  explicit found_spheres(world_state<Scenario>& s) : s_(s) {}
+
+  void make_all(plain_vector<close_pair>& pairs) {
+    if (keeps_contacts(s_)) return contact_keeper<Scenario>(s_).make_all(pairs);
+    if constexpr (!world_state<Scenario>::link_type::alone)
+      each_found_pair_of<sphere, sphere, partner::moving>(
+          s_, pairs, contact_maker<Scenario, sphere, sphere, partner::moving>(s_));
+  }
+
+ private:
+  world_state<Scenario>& s_;
+};
+
 /// Finds all contacts that this rank computes: those that touch a body it owns.
 template <class Scenario>
 void detect(world_state<Scenario>& s) {
   s.solver.rebounds = s.materials.rebounds();
   s.solver.impacts = s.solver.impacts_ended = false;
   s.solver.finishes = finishes_impacts(s);
-  s.each_contact_list([]<class List>(List& list) {
-    if constexpr (!keeps_contacts_in<Scenario, List>()) list.clear();
+  s.each_contact_list([&]<class List>(List& list) {
+    if (!keeps_contacts_in<Scenario, List>() || !keeps_contacts(s)) list.clear();
   });
   if constexpr (is_cohesive<typename world_state<Scenario>::law>) s.attraction.clear();
   constexpr bool continuous = world_state<Scenario>::continuous;
@@ -76,7 +93,7 @@ void detect(world_state<Scenario>& s) {
     update_flush_bodies(s);
     each_found_pair(s, [&]<class A, class B, partner P>() {
       if constexpr (keeps_contacts_of<Scenario, A, B, P>())
-        return contact_keeper<Scenario>(s);
+        return found_spheres<Scenario>(s);
       else
         return contact_maker<Scenario, A, B, P>(s);
     });

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -14,6 +15,7 @@
 #include "talus/pairs/shape_pairs.hpp"
 #include "talus/shape/sphere.hpp"
 #include "talus/solver/contact_list.hpp"
+#include "talus/solver/either_list.hpp"
 #include "talus/state/solved_velocity.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/contact_conditions.hpp"
@@ -28,8 +30,12 @@ template <class Scenario>
 using contact_of_spheres =
     moving_contact<law_of<Scenario>, sphere, sphere, solved_scalar<Scenario>>;
 
-/// Whether contacts of pairs of these bodies are kept: on a single rank, of spheres that no other
-/// rule concerns. Their list has contacts of no other pairs of shapes.
+template <class Scenario>
+using list_of_spheres =
+    typename world_state<Scenario>::template list_of<contact_of_spheres<Scenario>>;
+
+/// Whether contacts of pairs of these bodies may be kept: of spheres that no other rule concerns.
+/// Their list has contacts of no other pairs of shapes.
 template <class Scenario, class ShapeA, class ShapeB, partner Partner>
 [[nodiscard]] constexpr bool keeps_contacts_of() {
   using state = world_state<Scenario>;
@@ -38,11 +44,12 @@ template <class Scenario, class ShapeA, class ShapeB, partner Partner>
     constexpr bool single = []<class... Shapes>(type_list<Shapes...>) {
       return ((Shapes::finite && Shapes::isotropic) + ... + 0) == 1;
     }(typename Scenario::shapes{});
-    using list = typename state::template list_of<contact_of_spheres<Scenario>>;
-    return single && state::link_type::alone && !state::periodic && !state::continuous &&
-           !state::midpoint && !state::has_joints && !state::sleeps && !state::drives &&
+    return single && !state::periodic && !state::continuous && !state::midpoint &&
+           !state::has_joints && !state::sleeps && !state::drives &&
            !is_cohesive<typename state::law> && !monitored<Scenario, penetration_monitor> &&
-           std::is_same_v<list, contact_list<contact_of_spheres<Scenario>>>;
+           requires(list_of_spheres<Scenario> & list) {
+      { list_in_use<false>(list) } -> std::same_as<contact_list<contact_of_spheres<Scenario>>&>;
+    };
   } else {
     return false;
   }
@@ -52,8 +59,13 @@ template <class Scenario, class List>
 [[nodiscard]] constexpr bool keeps_contacts_in() {
   if constexpr (contains_type<typename Scenario::shapes, sphere>)
     if constexpr (keeps_contacts_of<Scenario, sphere, sphere, partner::moving>())
-      return std::is_same_v<List, contact_list<contact_of_spheres<Scenario>>>;
+      return std::is_same_v<List, list_of_spheres<Scenario>>;
   return false;
+}
+/// Whether they are kept in this run: one rank has all bodies, and sweeps in their order.
+template <class Scenario>
+[[nodiscard]] bool keeps_contacts(const world_state<Scenario>& s) {
+  return s.on_one_rank() && !s.by_colours();
 }
 
 template <class Scenario>
@@ -73,7 +85,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
  public:
   explicit contact_keeper(state_type& s)
       : base(s),
-        list_(std::get<contact_list<contact_type>>(s.contacts)),
+        list_(list_in_use<false>(std::get<list_of_spheres<Scenario>>(s.contacts))),
         kept_(s.found.kept),
         motion_(s, a_, a_) {}
 

@@ -71,10 +71,12 @@ class passivity {
     if constexpr (by_colours) {
       if (!presses(s_)) keep_everywhere();  // other steps are not collective
     } else {
-      if constexpr (!alone) meet_boundary();
+      if constexpr (!alone)
+        if (!s_.on_one_rank()) meet_boundary();
       find_excess();
       shrink_interior();
-      if constexpr (!alone) sweep_while_it_helps();
+      if constexpr (!alone)
+        if (!s_.on_one_rank()) sweep_while_it_helps();
     }
   }
 

@@ -154,17 +154,23 @@ template <class Scenario>
 void store_impulses(world_state<Scenario>& s) {
   std::size_t count = 0, kept = 0;
   s.each_contact_list([&](const auto& list) { count += list.size(); });
-  auto& first = std::get<0>(s.contacts);
-  if constexpr (keeps_contacts_in<Scenario, std::remove_cvref_t<decltype(first)>>())
-    if (first.renewed() && s.history.unchanged()) kept = first.size();
+  constexpr bool may_keep =
+      keeps_contacts_in<Scenario, std::tuple_element_t<0, decltype(s.contacts)>>();
+  if constexpr (may_keep)
+    if (keeps_contacts(s))
+      if (auto& first = list_in_use<false>(std::get<0>(s.contacts));
+          first.renewed() && s.history.unchanged())
+        kept = first.size();
   s.history.reset(count, kept);
-  if constexpr (keeps_contacts_in<Scenario, std::remove_cvref_t<decltype(first)>>())
-    if (kept > 0) first.store_in_place(s.history.entries().data());
+  if constexpr (may_keep)
+    if (kept > 0)
+      list_in_use<false>(std::get<0>(s.contacts)).store_in_place(s.history.entries().data());
   s.each_contact_list([&]<class List>(List& list) {
-    if constexpr (keeps_contacts_in<Scenario, List>()) {
-      list.hold();
-      if (kept > 0) return;
-    }
+    if constexpr (keeps_contacts_in<Scenario, List>())
+      if (keeps_contacts(s)) {
+        list_in_use<false>(list).hold();
+        if (kept > 0) return;
+      }
     list.store_impulses(s.history);
   });
   s.history.hold();

@@ -138,7 +138,10 @@ void correct_stacks_here(std::span<const contact_access<State>> lists, State& s)
   real most = 0;
   for (const contact_access<State>& list : lists) most = std::max(most, list.largest_correction());
   if (most < relevant * s.speed) return;
+  std::size_t count = 0;
+  for (const contact_access<State>& list : lists) count += list.size(contact_part::interior);
   plain_vector<island_contact> contacts;
+  contacts.reserve(count);
   for (const contact_access<State>& list : lists)
     for (std::size_t i = 0, n = list.size(contact_part::interior); i < n; ++i)
       contacts.push_back(list.contact(contact_part::interior, i));
