@@ -16,9 +16,12 @@
 #include "talus/core/sort.hpp"
 #include "talus/solver/contact_access.hpp"
 #include "talus/solver/direct/band_system.hpp"
+#include "talus/solver/direct/body_problem.hpp"
 #include "talus/solver/direct/body_ties.hpp"
 #include "talus/solver/direct/island_problem.hpp"
 #include "talus/solver/direct/island_solver.hpp"
+#include "talus/solver/direct/solve_bodies.hpp"
+#include "talus/solver/direct/stalled_search.hpp"
 
 namespace talus::detail {
 
@@ -35,6 +38,10 @@ class shared_islands {
  public:
   static constexpr std::size_t most_boundary_contacts = 400;
   static constexpr std::size_t most_contacts = 400;
+  static constexpr real most_operations = 2e8;  ///< for the solution of an island
+  /// Islands are left to the sweeps if points move by less than this multiple of the gain of
+  /// velocity by gravity in a step.
+  static constexpr real balanced = 1e-9;
 
   /// Whether contacts between copies of bodies of other ranks are needed: large numbers of boundary
   /// contacts, as of a pile, do not form small islands.
@@ -158,8 +165,26 @@ class shared_islands {
     return true;
   }
 
+  /// Whether the impulses of the last step, which the velocities contain, balance the island: no
+  /// point of contact moves.
+  static bool is_balanced(const island& one, std::span<const access> lists, const State& s) {
+    const real least = balanced * s.fall.norm();
+    const auto at_point = [&](std::int32_t body, const vec3& arm) -> vec3 {
+      if (body < 0) return {0, 0, 0};
+      const auto& b = s.bodies[static_cast<std::size_t>(body)];
+      return v_of(b) + w_of(b).cross(arm);
+    };
+    for (const auto& [key, m] : one.contacts) {
+      const island_contact c = lists[m.list].contact(m.part, m.index);
+      const vec3 u = c.axes * (at_point(c.a, c.arm_a) - at_point(c.b, c.arm_b)) +
+                     vec3(0, c.drive[0], c.drive[1]);
+      if (!(u.squaredNorm() < least * least)) return false;
+    }
+    return true;
+  }
   /// Everything in the order of ids, so that each rank computes the same bits.
   void solve_one(island& one, std::span<const access> lists, State& s) const {
+    if (is_balanced(one, lists, s)) return;
     std::stable_partition(one.bodies.begin(), one.bodies.end(), [&](const auto& b) {
       return static_cast<std::size_t>(b.second) < s.first_tensor;
     });
@@ -202,28 +227,65 @@ class shared_islands {
       c.impulse = {0, 0, 0};
       contacts.push_back(c);
     }
-    const contact_order order(contacts, own);
-    // Alike on all ranks: the cost of the island, instead of the spent budget of a rank.
-    const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
-    if (cost > 2e7) return;
-    plain_vector<island_contact> chain;
-    for (const auto i : order.order()) chain.push_back(contacts[i]);
-    contact_vector r;
-    const assembled_problem problem = assemble_island(chain, own, r);
-    if (!solve_island_anew(problem, r, static_cast<int>(std::min(real{60}, 2e8 / cost)))) return;
-    for (std::size_t k = 0; k < chain.size(); ++k) {
-      const island_contact& c = chain[k];
-      const vec3 p = c.axes.transpose() * r(static_cast<int>(k));
-      apply_impulse(own, c.a, c.arm_a, p);
-      apply_impulse(own, c.b, c.arm_b, -p);
-      const member& m = one.contacts[order.order()[k]].second;
-      lists[m.list].set(m.part, m.index, p);
+    plain_vector<vec3> impulses;
+    if (!find_impulses(contacts, own, s.fall, impulses)) return;
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const island_contact& c = contacts[k];
+      apply_impulse(own, c.a, c.arm_a, impulses[k]);
+      apply_impulse(own, c.b, c.arm_b, -impulses[k]);
+      const member& m = one.contacts[k].second;
+      lists[m.list].set(m.part, m.index, impulses[k]);
     }
     for (const auto& [body, at] : place) {
       auto& b = s.bodies[static_cast<std::size_t>(body)];
       b.v = in_scalar<number>(own.bodies[static_cast<std::size_t>(at)].v);
       b.w = in_scalar<number>(own.bodies[static_cast<std::size_t>(at)].w);
     }
+  }
+  /// From zero impulses and with a fixed number of operations, alike on all ranks.
+  static bool find_impulses(const plain_vector<island_contact>& contacts, const solver_state& own,
+                            const vec3& fall, plain_vector<vec3>& impulses) {
+    const contact_order order(contacts, own);
+    const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
+    contact_vector r;
+    if (cost > stalled_island::many_points * static_cast<real>(contacts.size()) &&
+        is_few_at_rest(contacts, own, fall)) {
+      const body_problem problem(contacts, own, r);
+      if (solve_by_bodies_anew(problem, r, most_operations)) {
+        for (std::size_t k = 0; k < contacts.size(); ++k)
+          impulses.push_back(contacts[k].axes.transpose() * r(static_cast<int>(k)));
+        return true;
+      }
+    }
+    if (cost > most_operations / 10) return false;
+    plain_vector<island_contact> chain;
+    for (const auto i : order.order()) chain.push_back(contacts[i]);
+    const assembled_problem problem = assemble_island(chain, own, r);
+    if (!solve_island_anew(problem, r,
+                           static_cast<int>(std::min<real>(60, most_operations / cost))))
+      return false;
+    impulses.resize(contacts.size());
+    for (std::size_t k = 0; k < chain.size(); ++k)
+      impulses[order.order()[k]] = chain[k].axes.transpose() * r(static_cast<int>(k));
+    return true;
+  }
+  /// Whether a few bodies with faces on each other rest: most of their points did not move before
+  /// the step faster than gravity moves them in it.
+  static bool is_few_at_rest(const plain_vector<island_contact>& contacts, const solver_state& own,
+                             const vec3& fall) {
+    if (own.bodies.size() > stalled_island::few_bodies || contacts.size() < 3 * own.bodies.size())
+      return false;
+    const auto at_point = [&](std::int32_t body, const vec3& arm) -> vec3 {
+      if (body < 0) return {0, 0, 0};
+      const solver_body& b = own.bodies[static_cast<std::size_t>(body)];
+      return b.v - fall + b.w.cross(arm);
+    };
+    std::size_t fast = 0;
+    for (const island_contact& c : contacts) {
+      const vec3 v = at_point(c.a, c.arm_a) - at_point(c.b, c.arm_b);
+      if (v.squaredNorm() > fall.squaredNorm()) ++fast;
+    }
+    return fast <= contacts.size() / 8;
   }
   static void apply_impulse(solver_state& s, std::int32_t body, const vec3& arm,
                             const vec3& impulse) {

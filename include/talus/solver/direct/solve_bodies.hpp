@@ -72,4 +72,15 @@ inline island_outcome solve_by_bodies(const body_problem& p, contact_vector& r, 
   return result;
 }
 
+/// Solves `p` from zero impulses, so that equal problems give equal bits, with at most so many
+/// operations; false, with arbitrary r, if the remaining error is too large.
+[[nodiscard]] inline bool solve_by_bodies_anew(const body_problem& p, contact_vector& r,
+                                               double operations) {
+  r.set_zero(p.contacts_count());
+  for (int k = 0; k < 10; ++k) p.sweep(r, k % 2 == 1);
+  const island_outcome found = solve_by_bodies(p, r, operations);
+  const real free = p.q().norm() / p.mean_diagonal();
+  return found.after <= 1e-6 * std::max(free, r.norm()) && found.after <= 0.01 * free;
+}
+
 }  // namespace talus::detail

@@ -116,9 +116,6 @@ class stalled_islands {
   static constexpr int tall = 8;
   /// Cheaper islands are solved by contacts, which is as good for a few.
   static constexpr real few = 4e6;
-  /// Operations for each contact from which a body on many points, or a few such bodies, are solved
-  /// by bodies.
-  static constexpr real many_points = 2.5e4;
   /// Operations for each contact that the solution of a few bodies at rest is worth.
   static constexpr real many_sweeps = 1e5;
   /// The fraction of solver_state::speed that may be left as error.
@@ -222,7 +219,7 @@ class stalled_islands {
       else
         s.islands.spend_spare(used);
     };
-    const real most = rests ? many_points * static_cast<real>(contacts.size()) : few;
+    const real most = rests ? island::many_points * static_cast<real>(contacts.size()) : few;
     if (cost <= std::min<real>(most, left / 2)) {
       solve_by_contacts(one, alone, order, cost, found, s, left);
       spend(before - left);

@@ -24,6 +24,9 @@ struct stalled_island {
   /// ones only long ones and the clusters of heavy bodies on light ones are, unless the island
   /// rests. A cylinder on a face has sixteen contacts.
   static constexpr std::size_t small = 64, few_bodies = 10;
+  /// Operations for each contact from which a body on many points, or a few such bodies, are solved
+  /// by bodies.
+  static constexpr real many_points = 2.5e4;
   /// Larger islands are not solved as a whole, unless their bodies can rest on each other: sweeps
   /// work well, as in a pile.
   static constexpr std::size_t many = 1000;

@@ -48,9 +48,9 @@ void world<Scenario>::synchronize() {
     }
     detail::refuse_closed_faces(state_, false);
     state_.choice.reach.clear();  // domains may have changed
-    // The first round sends the reach of bodies to every neighbour, the second uses it.
-    detail::share_shadow_copies(state_, true);
-    detail::share_shadow_copies(state_, true);
+    // The first round sends the reach of bodies to every neighbour, the second uses it. The reach
+    // of copies that the first brought is sent by the second and used by the third.
+    for (int round = 0; round < 3; ++round) detail::share_shadow_copies(state_, true);
   }
   if constexpr (detail::world_state<Scenario>::filters) detail::note_filters(state_);
   if constexpr (detail::world_state<Scenario>::sleeps) detail::note_sleepers(state_);
