@@ -2,6 +2,7 @@
 // Shadow copies: which bodies the neighbours need, and how they receive them.
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "talus/ghosts/coverage.hpp"
 #include "talus/ghosts/released.hpp"
 #include "talus/ghosts/stages.hpp"
+#include "talus/solver/direct/body_ties.hpp"
 #include "talus/state/acting_range.hpp"
 #include "talus/state/body_numbers.hpp"
 #include "talus/state/hooks.hpp"
@@ -20,6 +22,54 @@
 #include "talus/state/state.hpp"
 
 namespace talus::detail {
+
+/// Finds the ranks that hold copies of own fixed bodies.
+template <class Scenario>
+void find_holders(world_state<Scenario>& s) {
+  using code = typename world_state<Scenario>::copy_code;
+  std::size_t k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    auto& own = s.known_fixed.own[k];
+    own.clear();
+    for (const auto& n : s.neighbours)
+      for (const auto copy : n.shadowed[k])
+        if (const auto i = code::body(copy); b.movable.fixed(i)) {
+          own.emplace_back(i, body_holders{});
+          own.back().second.add(n.rank);
+        }
+    ++k;
+    if (own.empty()) return;
+    std::stable_sort(own.begin(), own.end(),
+                     [](const auto& x, const auto& y) { return x.first < y.first; });
+    std::size_t last = 0;
+    for (std::size_t m = 1; m < own.size(); ++m)
+      if (own[m].first == own[last].first)
+        own[last].second.add(own[m].second);
+      else
+        own[++last] = own[m];
+    own.resize(last + 1);
+  });
+}
+
+/// Lists the fixed bodies that several ranks know, and the ranks that hold their copies.
+template <class Scenario>
+void list_known_fixed_bodies(world_state<Scenario>& s) {
+  auto& all = s.known_fixed.all;
+  all.clear();
+  plain_vector<std::size_t> next(s.neighbours.size(), 0);
+  std::size_t k = 0;
+  s.each_finite_shape([&](const auto& b) {
+    for (const auto& [i, holders] : s.known_fixed.own[k])
+      all.push_back({static_cast<std::uint32_t>(b.first + i), s.link->rank(), holders});
+    std::size_t copy = b.movable.locals;
+    for (std::size_t n = 0; n < s.neighbours.size(); ++n)
+      for (std::size_t c = 0; c < s.neighbours[n].copies[k]; ++c, ++copy)
+        if (b.movable.fixed(copy) && next[n] < s.neighbours[n].holders.size())
+          all.push_back({static_cast<std::uint32_t>(b.first + copy), s.neighbours[n].rank,
+                         s.neighbours[n].holders[next[n]++]});
+    ++k;
+  });
+}
 
 /// Lists the solver indices of the bodies whose velocities are exchanged in each iteration.
 template <class Scenario>
@@ -302,6 +352,21 @@ void pack_copies(world_state<Scenario>& s, std::size_t n, copy_message kind) {
       for (const auto copy : shadowed) b.movable.pack_motion(code::body(copy), out);
     }
   });
+  if constexpr (world_state<Scenario>::islands_across_ranks)
+    if (kind == copy_message::all) {
+      plain_vector<body_holders> holders;
+      k = 0;
+      s.each_finite_shape([&](const auto& b) {
+        const auto& own = s.known_fixed.own[k];
+        for (const auto copy : s.neighbours[n].shadowed[k++])
+          if (const auto i = code::body(copy); b.movable.fixed(i))
+            holders.push_back(
+                std::lower_bound(own.begin(), own.end(), i, [](const auto& x, auto y) {
+                  return x.first < y;
+                })->second);
+      });
+      out.put(std::span<const body_holders>(holders));
+    }
   seal_message(s, n, false);
 }
 
@@ -318,6 +383,8 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
     mine = changed ? copy_message::all : copy_message::motion;
     if (!copies_still_hold(s)) choose_copies(s), mine = copy_message::all;
   }
+  if constexpr (world_state<Scenario>::islands_across_ranks)
+    if (mine == copy_message::all) find_holders(s);
   for (std::size_t n = 0; n < s.neighbour_messages.size(); ++n) pack_copies(s, n, mine);
   if (mine == copy_message::all) end_releases(s);
 
@@ -345,11 +412,19 @@ void share_shadow_copies(world_state<Scenario>& s, bool anew) {
   }
   move_shadow_copies(s, moved);
   if (any) rebuild_shadow_copies(s, before, renewed);
+  if constexpr (world_state<Scenario>::islands_across_ranks)
+    for (std::size_t n = 0; n < in.size(); ++n)
+      if (renewed[n] != nullptr) {
+        s.neighbours[n].holders.clear();
+        for (const body_holders& one : in[n].template get_all<body_holders>())
+          s.neighbours[n].holders.push_back(one);
+      }
   for (std::size_t n = 0; n < in.size(); ++n) close_message(s, n, in[n]);
   require_copies(s, told);
   if (!any) return;
   require_one_owner(s);
   if constexpr (!world_state<Scenario>::law::soft) list_travelling_velocities(s);
+  if constexpr (world_state<Scenario>::islands_across_ranks) list_known_fixed_bodies(s);
   run_hooks<ghost_stages::ghosts_renewed>(s);
 }
 

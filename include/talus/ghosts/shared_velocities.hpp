@@ -141,7 +141,8 @@ class shared_velocities {
   void look_for_shared_islands(Lists& lists) {
     if constexpr (!state_type::islands_across_ranks) return (void)lists;
     const auto all = access_to<solver_type>(lists);
-    s_.islands.look(all, s_.solver, s_.link->rank(), travelling(), sees_single_images(s_));
+    s_.islands.look(all, s_.solver, s_.link->rank(), travelling(), s_.known_fixed.all,
+                    sees_single_images(s_));
   }
   template <class Lists>
   void solve_shared_islands(Lists& lists) {

@@ -1,6 +1,8 @@
 #pragma once
 // State of a world for its contacts: hard and soft ones share only the history.
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <tuple>
@@ -13,11 +15,13 @@
 #include "talus/contact/acting_memory.hpp"
 #include "talus/contact/history.hpp"
 #include "talus/core/neighbour_message.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/interaction/soft_state.hpp"
 #include "talus/solver/coloured_list.hpp"
 #include "talus/solver/convergence.hpp"
 #include "talus/solver/dependence_cones.hpp"
+#include "talus/solver/direct/body_ties.hpp"
 #include "talus/solver/direct/direct_islands.hpp"
 #include "talus/solver/either_list.hpp"
 #include "talus/state/contact_kinds.hpp"
@@ -55,6 +59,14 @@ struct travelling_velocities {
   int rank = 0;
   plain_vector<std::uint32_t> sent;      ///< own bodies with a copy there that can move
   plain_vector<std::uint32_t> received;  ///< shadow copies of bodies there that can move
+};
+
+/// The ranks that hold copies of the fixed bodies that several ranks know.
+template <std::size_t Shapes>
+struct known_fixed_bodies {
+  /// Own ones, by shape, as indices of their store.
+  std::array<plain_vector<plain_pair<std::uint32_t, body_holders>>, Shapes> own;
+  plain_vector<fixed_body_ties> all;  ///< in solver indices
 };
 
 /// How a solver stores the contacts of one kind.
@@ -146,6 +158,7 @@ struct hard_response {
   std::vector<travelling_velocities> travelling;     ///< in the coming step, without empty ones
   std::vector<travelling_velocities> travelled;      ///< in the last step
   std::vector<neighbour_message> velocity_messages;  ///< one for each of `travelling`
+  known_fixed_bodies<Shapes::size> known_fixed;
   plain_vector<char> at_border;  ///< by solver index: whether the velocity is sent
 };
 

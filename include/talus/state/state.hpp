@@ -94,6 +94,7 @@ struct neighbour {
   std::array<plain_vector<std::uint32_t>, Shapes>
       shadowed;  ///< own bodies with a copy there, by shape, as copy_code encodes them
   std::array<std::size_t, Shapes> copies{};  ///< shadow copies here of bodies there
+  plain_vector<body_holders> holders;        ///< of each of these that is fixed
   message_channel channel;
   [[no_unique_address]] Memory memory;  ///< of the shared data of shapes
 

@@ -39,10 +39,12 @@ class direct_islands {
 
   /// Whether contacts between copies of bodies of other ranks are needed.
   [[nodiscard]] bool wants_foreign_contacts() const;
-  /// Before any impulse is applied. Without `shares` this rank takes no part in islands that
-  /// several ranks solve alike, and sends that with the ties of its bodies.
+  /// Before any impulse is applied. `fixed` are the fixed bodies that several ranks know. Without
+  /// `shares` this rank takes no part in islands that several ranks solve alike, and sends that
+  /// with the ties of its bodies.
   void look(std::span<const access> lists, State& s, int own,
-            std::span<const travelling_bodies> travelling, bool shares = true);
+            std::span<const travelling_bodies> travelling, std::span<const fixed_body_ties> fixed,
+            bool shares = true);
   /// The ties of a body, for sending and receiving.
   [[nodiscard]] body_ties& ties(std::size_t body);
   [[nodiscard]] bool is_hub(std::uint32_t body) const;

@@ -39,8 +39,9 @@ bool direct_islands<State>::wants_foreign_contacts() const {
 }
 template <class State>
 void direct_islands<State>::look(std::span<const access> lists, State& s, int own,
-                                 std::span<const travelling_bodies> travelling, bool shares) {
-  parts_->shared.look(lists, s, own, travelling, shares);
+                                 std::span<const travelling_bodies> travelling,
+                                 std::span<const fixed_body_ties> fixed, bool shares) {
+  parts_->shared.look(lists, s, own, travelling, fixed, shares);
   parts_->gathered.find_hubs(lists, s, own, travelling);
 }
 template <class State>

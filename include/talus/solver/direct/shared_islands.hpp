@@ -49,9 +49,10 @@ class shared_islands {
 
   /// Before any impulse is applied: stores the velocities, and counts the contacts of each body.
   /// `own` is this rank, `sent` and `received` hold, for each other rank, the bodies with copies
-  /// there and the copies here of its bodies.
+  /// there and the copies here of its bodies; `fixed` the fixed bodies with copies.
   void look(std::span<const access> lists, const State& s, int own,
-            std::span<const travelling_bodies> travelling, bool shares = true) {
+            std::span<const travelling_bodies> travelling, std::span<const fixed_body_ties> fixed,
+            bool shares = true) {
     std::size_t at_boundary = 0;
     for (const access& list : lists) at_boundary += list.size(contact_part::boundary);
     takes_part_ = shares && wanted_ && at_boundary > 0 && at_boundary <= most_boundary_contacts;
@@ -70,12 +71,18 @@ class shared_islands {
     });
     for (body_ties& t : ties_)
       if (t.owner == own) t.of_owner = static_cast<std::int32_t>(t.contacts);
-    // The holders of a fixed body are not exchanged, so islands that touch one take no part.
+    // Where a fixed body is not known, its contacts are not known either.
+    for (const fixed_body_ties& t : fixed) {
+      ties_[t.body].holders = t.holders;
+      ties_[t.body].owner = t.owner;
+    }
     each_contact(lists, [&](const contact_ends& c, member) {
       if (c.b < 0 || static_cast<std::size_t>(c.b) >= s.first_global) return;
       if (moves(s, c.a) == moves(s, c.b)) return;
       body_ties& t = ties_[static_cast<std::size_t>(moves(s, c.a) ? c.a : c.b)];
-      if (t.owner == own) t.of_owner = -1;
+      if (t.owner != own) return;
+      const body_ties& on = ties_[static_cast<std::size_t>(moves(s, c.a) ? c.b : c.a)];
+      t.holders.keep(on.holders, on.owner);
     });
   }
   /// The ties of a body, for sending and receiving. Other ranks see no ties of a solver that never
