@@ -37,7 +37,8 @@ namespace talus::detail {
 /// and sends the impulses back. Of the contacts between two other ranks only those with hubs take
 /// part; the others keep their impulses. If islands join several hubs, their contacts go to the
 /// owner of the heaviest one in one step, and to any of them in the next: some owners may not see
-/// that islands of another rank join their hub with a heavier one. Only ranks that hold a hub or a
+/// that islands of another rank join their hub with a heavier one. In the first step, which has no
+/// impulses of an earlier one, they go to either of them twice. Only ranks that hold a hub or a
 /// copy of one send messages.
 template <class State>
 class gathered_islands {
@@ -51,6 +52,7 @@ class gathered_islands {
   /// least so many of them.
   static constexpr real heavy = 5;
   static constexpr int fewest = 4;
+  static constexpr std::uint64_t first_rounds = 4;  ///< in the first step
 
   /// Before any impulse is applied: finds the hubs among the bodies owned here.
   void find_hubs(std::span<const access> lists, State& s, int own,
@@ -118,14 +120,18 @@ class gathered_islands {
     for (const auto& other : travelling)
       if (holds_hub(other.sent) || holds_hub(other.received))
         neighbour_messages.push_back({.rank = other.rank});
-    find_parts(lists, s, own);
-    for (neighbour_message& p : neighbour_messages) tell(lists, s, parts_[p.rank], p.out);
-    exchange();
-    solve_here(lists, s, parts_[own], neighbour_messages);
-    exchange();
-    for (neighbour_message& p : neighbour_messages) {
-      byte_reader in(p.in);
-      take(lists, s, parts_[p.rank], in.get_all<vec3>());
+    // Without impulses of an earlier step, one owner alone would leave the hubs of others to fall.
+    const std::uint64_t last = round_ == 1 ? first_rounds : round_;
+    for (std::uint64_t round = round_; round <= last; ++round) {
+      find_parts(lists, s, own, round);
+      for (neighbour_message& p : neighbour_messages) tell(lists, s, parts_[p.rank], p.out);
+      exchange();
+      solve_here(lists, s, parts_[own], neighbour_messages);
+      exchange();
+      for (neighbour_message& p : neighbour_messages) {
+        byte_reader in(p.in);
+        take(lists, s, parts_[p.rank], in.get_all<vec3>());
+      }
     }
   }
 
@@ -185,7 +191,7 @@ class gathered_islands {
   }
 
   /// The destination of contacts and bodies of this rank: its own part, or that of another one.
-  void find_parts(std::span<const access> lists, State& s, int own) {
+  void find_parts(std::span<const access> lists, State& s, int own, std::uint64_t round) {
     parts_.clear();
     plain_vector<std::int32_t> hub_of(s.bodies.size(), -1);
     for (std::size_t k = 0; k < hubs_.size(); ++k) {
@@ -218,7 +224,7 @@ class gathered_islands {
     const auto claims = [&](std::uint32_t island, std::int32_t h) {
       if (claim[island] < 0) claim[island] = h;
       joined_hubs.join(claim[island], h, [&](std::uint32_t x, std::uint32_t y) {
-        return hubs_[x].before(hubs_[y], round_);
+        return hubs_[x].before(hubs_[y], round);
       });
     };
     for (std::size_t k = 0; k < hubs_.size(); ++k)
