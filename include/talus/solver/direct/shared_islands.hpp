@@ -77,8 +77,7 @@ class shared_islands {
       ties_[t.body].owner = t.owner;
     }
     each_contact(lists, [&](const contact_ends& c, member) {
-      if (c.b < 0 || static_cast<std::size_t>(c.b) >= s.first_global) return;
-      if (moves(s, c.a) == moves(s, c.b)) return;
+      if (!touches_fixed(c, s)) return;
       body_ties& t = ties_[static_cast<std::size_t>(moves(s, c.a) ? c.a : c.b)];
       if (t.owner != own) return;
       const body_ties& on = ties_[static_cast<std::size_t>(moves(s, c.a) ? c.b : c.a)];
@@ -110,9 +109,12 @@ class shared_islands {
       one.contacts.push_back({key, m});
       add_body(one, s, c.a, key.a);
       if (c.b >= 0) add_body(one, s, c.b, key.b);
+      one.on_fixed = one.on_fixed || touches_fixed(c, s);
     });
     for (auto& [number, one] : islands)
-      if (one.contacts.size() <= most_contacts && known_alike(one)) solve_one(one, lists, s);
+      if (one.contacts.size() <= most_contacts && known_alike(one) &&
+          (!one.on_fixed || one.bodies.size() <= stalled_island::few_bodies))
+        solve_one(one, lists, s);
   }
 
  private:
@@ -124,6 +126,7 @@ class shared_islands {
   struct island {
     plain_vector<plain_pair<contact_key, member>> contacts;
     plain_vector<plain_pair<system_id, std::int32_t>> bodies;
+    bool on_fixed = false;  ///< touches fixed bodies of ranks: is solved if few bodies rest
   };
 
   template <class F>
@@ -134,6 +137,11 @@ class shared_islands {
   }
   static bool moves(const State& s, std::int32_t body) {
     return s.bodies[static_cast<std::size_t>(body)].inverse_mass != 0;
+  }
+  /// Whether one of the bodies is not global and cannot move.
+  static bool touches_fixed(const contact_ends& c, const State& s) {
+    return c.b >= 0 && static_cast<std::size_t>(c.b) < s.first_global &&
+           moves(s, c.a) != moves(s, c.b);
   }
   std::uint32_t root(const State& s, const contact_ends& c) {
     return sets_.root(moves(s, c.a) ? c.a : c.b);
@@ -235,7 +243,9 @@ class shared_islands {
       contacts.push_back(c);
     }
     plain_vector<vec3> impulses;
-    if (!find_impulses(contacts, own, s.fall, impulses)) return;
+    const bool rests = is_few_at_rest(contacts, own, s.fall);
+    if (one.on_fixed && !rests) return;
+    if (!find_impulses(contacts, own, rests, impulses)) return;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       const island_contact& c = contacts[k];
       apply_impulse(own, c.a, c.arm_a, impulses[k]);
@@ -251,12 +261,11 @@ class shared_islands {
   }
   /// From zero impulses and with a fixed number of operations, alike on all ranks.
   static bool find_impulses(const plain_vector<island_contact>& contacts, const solver_state& own,
-                            const vec3& fall, plain_vector<vec3>& impulses) {
+                            bool rests, plain_vector<vec3>& impulses) {
     const contact_order order(contacts, own);
     const real cost = band_system::cost(contacts.size(), order.half_bandwidth());
     contact_vector r;
-    if (cost > stalled_island::many_points * static_cast<real>(contacts.size()) &&
-        is_few_at_rest(contacts, own, fall)) {
+    if (rests && cost > stalled_island::many_points * static_cast<real>(contacts.size())) {
       const body_problem problem(contacts, own, r);
       if (solve_by_bodies_anew(problem, r, most_operations)) {
         for (std::size_t k = 0; k < contacts.size(); ++k)
