@@ -29,12 +29,12 @@ void disturb(World& w, int k) {
   if (k % 60 == 30)
     w.add_if_local(body{
         .shape = sphere{0.3}, .position = {0.05 * k - 3.2, 2.9, 2}, .velocity = {0.5, 0.1, -4}});
-  if (k == 150)
+  if (k == 210)
     w.destroy_if([](const auto& b) {
       const vec3& x = b.position();
       return (x[0] < -1.4 && std::abs(x[1]) < 1) || (x[0] < -3 && x[1] < -3 && x[2] < 0.5);
     });
-  if (k == 200)
+  if (k == 250)
     w.for_each_local([](auto& b) {
       if (b.position()[0] > 2.8 && b.position()[1] > 2.5) b.set_velocity({-3, 0, 0});
     });
@@ -45,7 +45,7 @@ void disturb(World& w, int k) {
 TEST_CASE("islands fall asleep and wake with the same bits on any ranks") {
   std::atomic<int> slept = 0, awake = 0, woken = 0;
   check_same<heap<sleeping>>(
-      260,
+      300,
       [](auto& w) {
         w.sleeping({.speed = 0.15, .time = 0.1});
         piles(w);
@@ -55,8 +55,8 @@ TEST_CASE("islands fall asleep and wake with the same bits on any ranks") {
       },
       [&](auto& w, int k) {
         w.for_each_local([&](const auto& b) {
-          if (k == 149) slept += b.is_asleep(), awake += !b.is_asleep();
-          if (k == 154) woken += !b.is_asleep();
+          if (k == 209) slept += b.is_asleep(), awake += !b.is_asleep();
+          if (k == 214) woken += !b.is_asleep();
         });
         disturb(w, k);
       });
