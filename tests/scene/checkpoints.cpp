@@ -27,7 +27,7 @@ TEST_CASE("a restarted pile of all shapes goes on to the bit, asleep and awake")
 }
 
 TEST_CASE("where trajectories do not depend on the ranks, a restart on others changes no bit") {
-  check_restarts<balls>(100, 0.01);
+  check_restarts<same_balls>(100, 0.01);
 }
 
 // --- Runs with options ---------------------------------------------------------------------------

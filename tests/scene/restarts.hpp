@@ -40,11 +40,16 @@ using midpoint_pile =
 using balls = scenario<bodies<sphere, plane>, decomposition<grid<dynamic, dynamic>>,
                        transport<threads>, features<checkpoints>>;
 
+/// Such balls, whose trajectories do not depend on the number of ranks.
+using same_balls =
+    scenario<bodies<sphere, plane>, solver<reproducible>, decomposition<grid<dynamic, dynamic>>,
+             transport<threads>, features<checkpoints>>;
+
 /// Whether trajectories do not depend on the number of ranks. Add scenarios whose solver promises
 /// that; the balls of run_course() touch only the ground.
 template <class Scenario>
 inline constexpr bool independent_of_ranks =
-    std::is_same_v<Scenario, balls> || std::is_same_v<Scenario, midpoint_pile>;
+    std::is_same_v<Scenario, same_balls> || std::is_same_v<Scenario, midpoint_pile>;
 
 /// A file of this process, removed at the end.
 struct scratch_file {
