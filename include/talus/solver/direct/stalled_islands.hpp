@@ -88,7 +88,8 @@ class stalled_islands {
     bool settled = true;
     real errors = 0;
     for (const island& one : islands) {
-      errors = std::max(errors, one.error_per_change());
+      errors =
+          std::max(errors, one.error_per_change() * (is_few(one) ? negligible / left_to_few : 1));
       settled = settled && (one.done || one.error() <= left_when_settled(one) * s.speed);
     }
     s.islands.note_errors(errors);
@@ -125,8 +126,11 @@ class stalled_islands {
 
   /// In place of either for a single body on what cannot move. Its solution costs little, and what
   /// is left tilts it: on a seam between a fixed and a global body, whose contacts are in two
-  /// lists. A few bodies at rest on each other are left less than `negligible`.
+  /// lists.
   static constexpr real left_to_one = 1e-7;
+  /// Likewise for a few bodies at rest on each other: near the rim of what carries them, they tip
+  /// by a multiple of it within a second.
+  static constexpr real left_to_few = 1e-6;
 
   static bool is_single(const island& one) {
     return one.bodies == 1 && !one.jointed && std::is_same_v<typename State::number, real>;
@@ -137,10 +141,10 @@ class stalled_islands {
            !one.is_cluster();
   }
   static real left_to_sweeps(const island& one) {
-    return is_single(one) ? left_to_one : is_few(one) ? negligible : let_be;
+    return is_single(one) ? left_to_one : is_few(one) ? left_to_few : let_be;
   }
   static real left_when_settled(const island& one) {
-    return is_single(one) ? left_to_one : negligible;
+    return is_single(one) ? left_to_one : one.rests ? left_to_few : negligible;
   }
 
   enum class outcome : char { not_stalled, failed, done };
@@ -198,7 +202,8 @@ class stalled_islands {
     const real sweeps = rows * rows * one.most_mass / one.least_mass;
     // A body whose load is near the rim of what carries it, as a box on a column, needs far more.
     const bool flowing = flows(alone, s.speed);
-    const bool rests = is_single(one) || (is_few(one) && !flowing);
+    one.rests = is_few(one) && !flowing;
+    const bool rests = is_single(one) || one.rests;
     if (!rests && error <= let_be * s.speed) return false;
     // The joints move what was solved here, so that it stalls again.
     one.is_long = !one.is_cluster() && !one.jointed && one.is_narrow(rows) && !flowing;

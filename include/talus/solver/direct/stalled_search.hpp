@@ -44,6 +44,7 @@ struct stalled_island {
   bool jointed = false;     ///< contains bodies with joints
   bool elsewhere = false;   ///< solved as a part of a gathered island
   bool is_long = false;     ///< long and narrow, and does not flow
+  bool rests = false;       ///< a few bodies that rest on each other
   bool done = false;        ///< is solved
   real change = 0;          ///< largest change of velocity in the last sweep
   real least_mass = std::numeric_limits<real>::max(), most_mass = 0;
