@@ -106,8 +106,7 @@ void check_rest(Put&& put) {
         CAPTURE(dt);
         CAPTURE(before);
         CAPTURE(after);
-        // One rank leaves up to 1e-4 of the fall of a step.
-        CHECK(way(c, put) < (after == 1 ? 2e-5 : 1e-7));
+        CHECK(way(c, put) < 1e-7);
       }
 }
 

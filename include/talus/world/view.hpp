@@ -167,10 +167,8 @@ class body_view {
     s_->note_filtered_change();
     if constexpr (!state_type::link_type::alone)
       detail::note_release(*s_, *store_, i_);
-    else if (s_->by_colours())
+    else
       detail::clear_history_of(*s_, id());
-    else if constexpr (state_type::follows_contacts)
-      detail::note_parted(*s_, id(), true);
     if constexpr (state_type::sleeps) detail::disturb(*s_, *store_, i_);
   }
   /// Wakes the island of the body, and resets its rest time. (So does every change of a body except
