@@ -1,11 +1,12 @@
 """./dev view: a page that shows what --output has written. docs/view.md"""
 import csv
+import fcntl
+import glob
 import os
 import pathlib
 import signal
 import stat
 import sys
-import tempfile
 
 sys.dont_write_bytecode = True
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parent), str(pathlib.Path(__file__).resolve().parents[1] / "python")]
@@ -97,6 +98,18 @@ def require_replaceable(path, force):
         sys.exit(f"view: {path} is there already and is no page of talus: name another file with --html, or add --force")
 
 
+def remove_leftovers(path):
+    """Removes what killed processes have left of writing this page: parts that are not locked."""
+    for part in glob.glob(glob.escape(path) + ".part-*"):
+        if part.rpartition("-")[2].isdigit() and stat.S_ISREG(os.lstat(part).st_mode):
+            with open(part) as file:
+                try:
+                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except OSError:
+                    continue  # its process is alive
+                os.unlink(part)
+
+
 def write_page(o, base):
     import frames
     path = o.html or base + ".html"
@@ -111,9 +124,11 @@ def write_page(o, base):
     three = page.three()
     before, between, end = page.parts(pathlib.Path(__file__).resolve().parent)
     converter = frames.Converter(base, o.contacts)
-    folder = os.path.dirname(path) or "."
+    remove_leftovers(path)
+    part = f"{path}.part-{os.getpid()}"
     try:
-        beside = tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=folder, prefix=os.path.basename(path) + ".part-", delete=False)
+        beside = open(part, "x", encoding="utf-8")
+        fcntl.flock(beside, fcntl.LOCK_EX)
     except OSError as error:
         sys.exit(f"view: {path} cannot be written: {error.strerror}")
     try:
@@ -127,12 +142,10 @@ def write_page(o, base):
                 out.write(f'<script type="text/plain" class="talus-data">{frames.text_of(data)}</script>\n')
             out.write(page.script_of("end", {"notes": sorted(converter.notes)}))
             out.write(end)
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(beside.name, 0o666 & ~mask)
-        os.replace(beside.name, path)
+            out.flush()
+            os.replace(part, path)
     except BaseException as error:
-        os.unlink(beside.name)
+        os.unlink(part)
         if isinstance(error, OSError):
             sys.exit(f"view: {path} cannot be written: {error.strerror}")
         raise

@@ -223,16 +223,19 @@ class Foreign(unittest.TestCase):
         for name in names:
             (self.folder / name).write_bytes(body)
         (self.folder / "many.hdf.series").write_text(json.dumps({"files": [{"name": n, "time": k} for k, n in enumerate(names)]}))
-        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+        for number in (signal.SIGTERM, signal.SIGKILL, signal.SIGHUP, signal.SIGINT):
             made = subprocess.Popen([*VIEW, str(self.folder / "many")], stderr=subprocess.PIPE, text=True,
-                                    preexec_fn=lambda n=number: signal.signal(n, signal.SIG_DFL),  # not as in the background
+                                    preexec_fn=lambda n=number: n == signal.SIGKILL or signal.signal(n, signal.SIG_DFL),  # not as in the background
                                     env={**os.environ, "TALUS_THREE": str(self.folder / "three.js")})
             end = time.monotonic() + 20
-            while not list(self.folder.glob("*.part-*")) and made.poll() is None and time.monotonic() < end:
+            while not (self.folder / f"many.html.part-{made.pid}").exists() and made.poll() is None and time.monotonic() < end:
                 time.sleep(0.005)
             time.sleep(0.05)
             made.send_signal(number)
             said = made.communicate(timeout=20)[1]
+            if number == signal.SIGKILL:
+                self.assertEqual(len(list(self.folder.glob("*.part-*"))), 1)
+                continue  # the next one removes it
             self.assertEqual((made.returncode, said.splitlines()[-1]), (128 + number, f"view: ended by {number.name}"))
             self.assertNotIn("Traceback", said)
             self.assertEqual(list(self.folder.glob("*.part-*")), [])
