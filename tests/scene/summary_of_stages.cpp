@@ -49,7 +49,7 @@ std::string said_with(std::vector<std::string> words, const std::string& json) {
     const auto m = world.material({.density = 2000, .youngs_modulus = 1e7});
     world.add(sphere{0.01}, m, {0, 0, 1});
     world.gravity({0, 0, -1});
-    world.simulate({.steps = 50, .dt = options.dt});
+    world.simulate({.steps = 50, .dt = std::min(options.dt, 0.01)});
     return results{{"dt", 7}, {"height", 1}, {"height", 2}};
   });
   std::fflush(stderr);
@@ -92,12 +92,17 @@ TEST_CASE("of many lengths of steps those next to each other are one") {
   CHECK(most == 1e4);
 }
 
-TEST_CASE("a key of the JSON file is there once, and --steps is not ignored in silence") {
+TEST_CASE("a key of the JSON file is there once, --steps and --dt are not ignored in silence") {
   const std::string json = "/tmp/talus_summary_" + std::to_string(getpid()) + ".json";
   CHECK(said_with({"--steps", "51"}, json).find("--steps 51 seems to have no effect") !=
         std::string::npos);
   CHECK(said_with({"--steps", "50"}, json).find("--steps") == std::string::npos);
   CHECK(said_with({}, json).find("--steps") == std::string::npos);
+  CHECK(said_with({"--dt", "0.3"}, json)
+            .find("--dt 0.3 seems to have no effect in this program, whose steps have lengths of "
+                  "0.01: give") != std::string::npos);
+  CHECK(said_with({"--dt", "0.004"}, json).find("--dt") == std::string::npos);
+  CHECK(said_with({}, json).find("--dt") == std::string::npos);
   std::stringstream text;
   text << std::ifstream(json).rdbuf();
   CHECK(count(text.str(), "\"dt\":") == 1);
@@ -119,4 +124,14 @@ TEST_CASE("calls of simulate() that follow from a number of steps") {
   CHECK(!follow_from({500}, 100 + 1));
   CHECK(!follow_from({50}, 100));
   CHECK(!follow_from({500, 20}, 100));
+}
+
+TEST_CASE("lengths of steps that follow from one") {
+  using detail::follows_from;
+  CHECK(follows_from({}, 0.1));
+  CHECK(follows_from({{0.1, 0}}, 0.1));
+  CHECK(follows_from({{0.1 / 3, 0}, {7, 0}}, 0.1));  // in parts
+  CHECK(follows_from({{0.2, 0}}, 0.1));
+  CHECK(!follows_from({{0.07, 0}, {0.08, 0}}, 0.1));
+  CHECK(!follows_from({{1e-5, 0}}, 0.1));
 }

@@ -323,6 +323,9 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   if (speaks && ended.empty() && options.restart.empty() && options.steps != Options{}.steps)
     if (const std::string words = unused_steps(asked, options.steps); !words.empty())
       log.say(compose("{}: warning: {}\n", name, words), quiet);
+  if (speaks && ended.empty() && options.restart.empty() && options.dt != Options{}.dt)
+    if (const std::string words = unused_dt(state_of(w).lengths.all(), options.dt); !words.empty())
+      log.say(compose("{}: warning: {}\n", name, words), quiet);
 
   if (w.steps() == 0) w.synchronize();
   if (write_last) write_last();

@@ -1,10 +1,13 @@
 #pragma once
-// Whether a program uses the number of steps on its command line.
+// Whether a program uses the number of steps, and their length, on its command line.
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "talus/core/error.hpp"
+#include "talus/core/math.hpp"
+#include "talus/state/step_lengths.hpp"
 
 namespace talus::detail {
 
@@ -40,6 +43,27 @@ namespace talus::detail {
       "{} steps in "
       "all: give it .steps = options.steps",
       steps, all);
+}
+
+/// Whether one of these lengths of steps may follow from `dt`: it is `dt`, up to ten times as much,
+/// or a whole part down to a tenth.
+[[nodiscard, gnu::cold]] inline bool follows_from(const std::vector<step_lengths::entry>& used,
+                                                  real dt) {
+  for (const auto& one : used)
+    for (const real ratio : {one.dt / dt, dt / one.dt})
+      if (ratio < 10.5 && std::abs(ratio - std::round(ratio)) < 1e-6) return true;
+  return used.empty();
+}
+
+/// A sentence on standard error if none does; else empty.
+[[nodiscard, gnu::cold]] inline std::string unused_dt(const std::vector<step_lengths::entry>& used,
+                                                      real dt) {
+  if (follows_from(used, dt)) return {};
+  const real least = used.front().dt, most = used.back().dt;
+  return compose(
+      "--dt {} seems to have no effect in this program, whose steps have lengths of {}{}: give "
+      "world.simulate .dt = options.dt",
+      dt, least, least == most ? std::string() : " to " + text(most));
 }
 
 }  // namespace talus::detail
