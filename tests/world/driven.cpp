@@ -101,7 +101,14 @@ TEST_CASE("a motion that begins later begins where the body is") {
   CHECK(std::abs(c.w[lid].position()[2] - 0.25) < 1e-13);
   // A function of the time of the world that would jump is refused.
   const auto jumps = [](real t) { return rigid_displacement{.shift = {0, 0, t}}; };
-  CHECK_THROWS_WITH_AS(c.w.drive(paddle, jumps), doctest::Contains("radii"), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(c.w.drive(paddle, jumps),
+                       doctest::Contains("the jump of 2 as a velocity; subtract"),
+                       std::invalid_argument);
+  c.w.add(body{.shape = sphere{0.5}, .position = {0, 0, -1}, .material = c.rough});
+  c.w.add(body{.shape = sphere{0.3}, .position = {0, 0, -3}, .material = c.rough});
+  const char* const words =
+      "the jump of 2, which is 5 radii of the bodies that move, as a velocity";
+  CHECK_THROWS_WITH_AS(c.w.drive(paddle, jumps), doctest::Contains(words), std::invalid_argument);
   CHECK_THROWS_WITH_AS(c.w.drive(lid, jumps), doctest::Contains("at time 2"),
                        std::invalid_argument);
   const real begin = c.w.time();

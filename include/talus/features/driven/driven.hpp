@@ -78,10 +78,12 @@ inline constexpr real instant = 1. / 1024;
 }
 
 /// Throws invalid_argument if a motion, whose value at the present time is `first`, begins
-/// elsewhere than the body is.
-template <class Shape>
+/// elsewhere than the body is. `mean_radius()` is that of the bodies that move, or 0 if there are
+/// none; all ranks call it alike.
+template <class Shape, class Radius>
 [[gnu::cold]] void require_no_jump(const Shape& shape, const driven_body& body,
-                                   const rigid_displacement& first, real time) {
+                                   const rigid_displacement& first, real time,
+                                   const Radius& mean_radius) {
   real radius = 1;
   if constexpr (Shape::finite) radius = shape.bounding_radius();
   const vec3& here = body.state.origin;
@@ -89,13 +91,14 @@ template <class Shape>
   const real jump = (there.point - here).norm() +
                     radius * angular_velocity_between(body.state.at.turn, there.turn, 1).norm();
   if (jump <= real(1e-9) * (radius + here.norm() + first.about.norm())) return;
+  const real mean = mean_radius();
   fail<std::invalid_argument>(
       "the motion of {} {} would begin at {} at time {}, and the body is at {}: contacts would "
-      "meet "
-      "the jump of {} as a velocity; subtract from the displacement its value at that time, or "
-      "return a rigid_velocity",
-      Shape::name, body.id, there.point, time, here,
-      Shape::finite ? text(jump / radius, 3) + " radii" : text(jump, 3));
+      "meet the jump of {}{} as a velocity; subtract from the displacement its value at that time, "
+      "or return a rigid_velocity",
+      Shape::name, body.id, there.point, time, here, text(jump, 3),
+      mean > 0 ? ", which is " + text(jump / mean, 3) + " radii of the bodies that move,"
+               : std::string());
 }
 
 template <class T>

@@ -1,5 +1,10 @@
 #pragma once
 // Motion of global bodies. Member functions of world.
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "talus/parallel/reduction.hpp"
 #include "talus/world/world.hpp"
 
 namespace talus {
@@ -53,7 +58,16 @@ void world<Scenario>::drive(handle<Shape> h, Motion motion) {
       const auto& store = state_.template of<Shape>().global;
       const auto at = std::find(store.id.begin(), store.id.end(), h.id);
       detail::require_no_jump(store.shape[static_cast<std::size_t>(at - store.id.begin())], body,
-                              motion(state_.time - body.state.since), state_.time);
+                              motion(state_.time - body.state.since), state_.time, [this] {
+                                std::array<real, 2> sums{};  // radii and number of bodies
+                                state_.each_finite_shape([&](const auto& b) {
+                                  for (std::size_t i = 0; i < b.movable.locals; ++i)
+                                    if (!b.movable.fixed(i))
+                                      sums[0] += b.movable.shape[i].bounding_radius(), ++sums[1];
+                                });
+                                link().reduce(reduction::sum, std::span<real>(sums));
+                                return sums[1] > 0 ? sums[0] / sums[1] : 0;
+                              });
     } else {
       body.plan = [motion](const detail::driven_state& s, real t, real dt) {
         return detail::step_at(s, motion(t + dt / 2), dt);
