@@ -1,5 +1,6 @@
 // expects: features<...> takes orientation, forces, user_ids, visibility, damping,
-// expects: continuous_collision, sleeping, balancing, checkpoints, vtk_output, driven and the monitors
+// expects: continuous_collision, sleeping, balancing, checkpoints, vtk_output, driven, events,
+// expects: contact_filters and the monitors
 #include "talus/scenario/scenario.hpp"
 using namespace talus;
 

@@ -264,8 +264,9 @@ struct part_of_features {
   static_assert(
       is_part<Feature, roles::features>,
       "features<...> takes orientation, forces, user_ids, visibility, damping, "
-      "continuous_collision, sleeping, balancing, checkpoints, vtk_output, driven and the monitors "
-      "energy_ledger, momentum_balance, penetration_monitor and residual_monitor, and features of "
+      "continuous_collision, sleeping, balancing, checkpoints, vtk_output, driven, events, "
+      "contact_filters and the monitors energy_ledger, momentum_balance, penetration_monitor and "
+      "residual_monitor, and features of "
       "one's own (docs/features.md), and this type is not one of them: remove it");
 };
 
