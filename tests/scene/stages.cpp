@@ -275,6 +275,7 @@ TEST_CASE("what looks at the bodies of the set-up in a restart is refused, with 
   refused([](auto& w, auto&) { (void)critical_dt(w); }, "critical_dt looks");
   refused([](auto& w, auto&) { (void)w.audit(); }, "world.audit looks");
   refused([](auto& w, auto&) { (void)w.convergence(); }, "world.convergence looks");
+  refused([](auto& w, auto&) { (void)w.records(); }, "world.records looks");
   // A program that has named a value since: the file lacks it.
   CHECK(two_stages([](auto&, auto&) {}, {}).code == 0);
   const auto later = [](auto& w, auto&) { w.once("late", [] { return 1; }); };

@@ -97,7 +97,7 @@ template <class Scenario>
   keeper.after_call = parameters_of(s);
   get_monitors(in, s);
   get_lists(in, s);
-  get_records(in, w.records());
+  get_records(in, checkpoint_access::records(w));
   get_once(in, keeper.once);
   if constexpr (!world_state<Scenario>::law::soft || monitored<Scenario, residual_monitor>) {
     const auto c = in.reals("/run/convergence", 5);

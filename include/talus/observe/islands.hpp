@@ -21,6 +21,7 @@ struct islands_solved {
 /// Collective; contacts are hard.
 template <class Scenario>
 [[nodiscard, gnu::cold]] islands_solved measure_islands(world<Scenario>& w) {
+  w.require_all_ranks("measure_islands");
   const detail::island_budget& done = detail::view_of(w).solver.islands;
   std::array<std::uint64_t, 2> sums{done.islands_solved(), done.skipped()};
   std::uint64_t most = done.skipped_contacts();

@@ -22,6 +22,11 @@ struct checkpoint_access {
   [[nodiscard]] static auto& keeper(World& w) {
     return w.keeper_;
   }
+  /// Numbers passed to record(), also while a restart leaves out calls of simulate().
+  template <class World>
+  [[nodiscard]] static recorded_values& records(World& w) {
+    return w.records_;
+  }
   template <class World>
   [[nodiscard]] static std::uint64_t& seed(World& w) {
     return w.seed_;

@@ -610,10 +610,11 @@ class world {
   void record(const std::string& name, double value, const std::string& dimension = "") {
     records_.set(name, value, dimension);
   }
-  /// The numbers passed to record().
-  [[nodiscard]] const detail::recorded_values& records() const { return records_; }
-  /// The numbers passed to record(), for checkpoints to fill in.
-  [[nodiscard]] detail::recorded_values& records() { return records_; }
+  /// The numbers passed to record(). Throws as note_reading().
+  [[nodiscard]] const detail::recorded_values& records() const {
+    note_reading("world.records");
+    return records_;
+  }
   /// User-defined state that checkpoints hold: a value that is equal on all ranks, or that rank 0
   /// alone uses, such as a number or a random_stream; rank 0's value is stored, and at a restart
   /// all ranks get it. The variable must outlive all calls of simulate(); all ranks name the same.
