@@ -58,27 +58,28 @@ function facts_of(frame, i) {
   const run = frame.run, t = run.table, r = frame.rows[i], rows = [];
   const put = (name, value) => rows.push([name, value]);
   const vector = (v) => v.map((x) => short_number(+x.toPrecision(5))).join(", ");
+  const unit = (dimension) => unit_behind(dimension, run.about.units);
   const size = [...t.size.subarray(3 * r, 3 * r + 3)];
   put("body", "0x" + t.id[r].toString(16) + (t.part[r] > 0 ? ", part " + t.part[r] : ""));
   put("shape", run.name_of_shape(t.shape[r]) + (t.flags[r] & 2 ? ", global" : t.flags[r] & 1 ? ", fixed" : ""));
-  if (t.shape[r] === shape.sphere) put("radius", short_number(size[0] / 2));
-  else if (t.shape[r] !== shape.plane) put("size", vector(size));
-  if (t.mass[r] > 0 && !(t.flags[r] & 1)) put("mass", short_number(+t.mass[r].toPrecision(5)));
+  if (t.shape[r] === shape.sphere) put("radius", short_number(size[0] / 2) + unit("L"));
+  else if (t.shape[r] !== shape.plane) put("size", vector(size) + unit("L"));
+  if (t.mass[r] > 0 && !(t.flags[r] & 1)) put("mass", short_number(+t.mass[r].toPrecision(5)) + unit("M"));
   put("material", run.name_of_material(t.material[r]).replace(/^material /, ""));
   if (!(t.flags[r] & 2)) put("rank", frame.rank[i]);
-  put("position", vector(frame.place(i, [0, 0, 0])));
+  put("position", vector(frame.place(i, [0, 0, 0])) + unit("L"));
   const error = frame.head.position_error;
   if (error > 0) put("", "± " + short_number(+error.toPrecision(2)) + " as stored");
   const v = frame.blocks.velocity;
   if (v && !(t.flags[r] & 2)) {
-    put("velocity", vector([0, 1, 2].map((k) => v[3 * i + k] * frame.head.speed_cell)));
-    put("speed", short_number(+frame.speed(i).toPrecision(4)));
+    put("velocity", vector([0, 1, 2].map((k) => v[3 * i + k] * frame.head.speed_cell)) + unit("L/T"));
+    put("speed", short_number(+frame.speed(i).toPrecision(4)) + unit("L/T"));
   }
   if (frame.blocks.asleep && frame.blocks.asleep[i]) put("state", "asleep");
   if (frame.blocks.force) {
     const touching = frame.blocks.touching[i];
     put("contacts", touching < 255 ? touching : "255 or more");
-    put("force", short_number(+frame.force(i).toPrecision(4)) + " in all");
+    put("force", short_number(+frame.force(i).toPrecision(4)) + unit("M L/T^2") + " in all");
   }
   return rows;
 }

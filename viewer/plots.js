@@ -45,6 +45,11 @@ const figures = [
 
 // A dimension in the units that the program names.
 const in_units = (dimension, units) => dimension.replace(/\b[MLT]\b/g, (letter) => units?.[letter] || letter);
+// The unit behind a number; empty if the program names none.
+const unit_behind = (dimension, units) => {
+  const unit = in_units(dimension, units);
+  return unit === dimension ? "" : " " + unit;
+};
 
 class plot {
   constructor(parent, { title, unit, log }, times, lines) {

@@ -114,7 +114,7 @@ function talus_view() {
     const frame = state.frame;
     written = performance.now();
     $("slider").value = frame.number;
-    $("time").textContent = "t = " + short_number(+frame.head.time.toPrecision(6)) + "  (step " + frame.head.step + ", frame " +
+    $("time").textContent = "t = " + short_number(+frame.head.time.toPrecision(6)) + unit_behind("T", run.about.units) + "  (step " + frame.head.step + ", frame " +
       (frame.number + 1) + " of " + run.heads.length + ")";
     for (const p of plots) p.show(frame.number);
     show_body();
@@ -318,7 +318,8 @@ function talus_view() {
     const about = run.about, head = run.heads[run.heads.length - 1];
     document.title = about.name + " – talus";
     $("name").textContent = about.name;
-    $("facts").textContent = [head.bodies + (head.bodies === 1 ? " body" : " bodies"), head.ranks ? head.ranks + (head.ranks > 1 ? " ranks" : " rank") : "",
+    const numbers = run.heads.map((h) => h.bodies), least = Math.min(...numbers), most = Math.max(...numbers);
+    $("facts").textContent = [(least < most ? least + " to " : "") + most + (least === 1 && most === 1 ? " body" : " bodies"), head.ranks ? head.ranks + (head.ranks > 1 ? " ranks" : " rank") : "",
       run.heads.length + (run.heads.length === 1 ? " frame" : " frames")].filter(Boolean).join(", ");
     for (const name of ["contacts", "joints", "domains"]) $(name + "_row").hidden = !run.has(name);
     $("walls_row").hidden = !run.table.flags.subarray(0, run.table.length).some((x) => x & 1);

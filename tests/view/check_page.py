@@ -250,6 +250,28 @@ def look(browser, program, folder):
     check_quiet(browser, file)
 
 
+def leaves(browser, program, folder):
+    """Bodies that leave, and the units of the program."""
+    file = page_of(program, folder, "leaves", "--steps", "100", "--dt", "0.01", "--view-every", "10")
+    opened(browser, file)
+    numbers = browser.run("talus.run.heads.map((h) => h.bodies).join(' ')").split()
+    check(int(numbers[0]) > int(numbers[-1]), f"bodies leave: {numbers}")
+    text = browser.run("document.getElementById('facts').textContent")
+    check(text == f"{numbers[-1]} to {numbers[0]} bodies, 1 rank, 11 frames", f"the head of the page: {text}")
+    browser.run("talus.show(3)")
+    drawn(browser)
+    text = browser.run("document.getElementById('time').textContent")
+    check(text.startswith("t = 0.3 s "), f"the time has its unit: {text}")
+    look_along_y(browser)
+    width, height = size_of_canvas(browser)
+    browser.click(*projected(1.2, 0, width, height))
+    shown = "document.getElementById('body').innerText"
+    browser.wait(f"({shown}).includes('radius')")
+    facts = dict(line.split("\t") for line in browser.run(shown).split("\n") if "\t" in line)
+    check(facts["radius"] == "1 m" and facts["speed"] == "4 m/s" and facts["mass"].endswith(" kg"), f"units: {facts}")
+    check_quiet(browser, file)
+
+
 def many(browser, program, folder):
     file = page_of(program, folder, "many", "--bodies", "21000", "--steps", "2", "--view-every", "1")
     opened(browser, file)
@@ -273,7 +295,7 @@ def main():
     os.makedirs(folder)
     browser = Browser(size=(WIDTH, HEIGHT))
     try:
-        for scene in (known, shapes, look, many):
+        for scene in (known, shapes, look, leaves, many):
             scene(browser, program, folder)
             print(scene.__name__, "ok", flush=True)
     finally:

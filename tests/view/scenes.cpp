@@ -123,6 +123,15 @@ int main(int argc, char** argv) {
     if (options.scene == "known") add_known(world, stone);
     if (options.scene == "shapes") add_shapes(world, stone, oak);
     if (options.scene == "look") add_look(world, stone, options);
+    if (options.scene == "leaves") {
+      world.units({.length = "m", .mass = "kg", .time = "s"});
+      add_known(world, stone);
+      world.add_if_local(body{.shape = sphere{1}, .position = {-3, 0, 0}, .material = stone});
+      world.after_each_step([&] {
+        if (world.steps() == 50)
+          world.destroy_if([](const auto& b) { return b.velocity()[0] > 0; });
+      });
+    }
     if (options.scene == "many") {
       const double edge = std::cbrt(options.bodies);
       world.fill(simple_cubic{.spacing = 1} &

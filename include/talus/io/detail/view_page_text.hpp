@@ -1142,28 +1142,29 @@ function facts_of(frame, i) {
   const run = frame.run, t = run.table, r = frame.rows[i], rows = [];
   const put = (name, value) => rows.push([name, value]);
   const vector = (v) => v.map((x) => short_number(+x.toPrecision(5))).join(", ");
+  const unit = (dimension) => unit_behind(dimension, run.about.units);
   const size = [...t.size.subarray(3 * r, 3 * r + 3)];
   put("body", "0x" + t.id[r].toString(16) + (t.part[r] > 0 ? ", part " + t.part[r] : ""));
   put("shape", run.name_of_shape(t.shape[r]) + (t.flags[r] & 2 ? ", global" : t.flags[r] & 1 ? ", fixed" : ""));
-  if (t.shape[r] === shape.sphere) put("radius", short_number(size[0] / 2)page",
-    R"page());
-  else if (t.shape[r] !== shape.plane) put("size", vector(size));
-  if (t.mass[r] > 0 && !(t.flags[r] & 1)) put("mass", short_number(+t.mass[r].toPrecision(5)));
+  )page",
+    R"page(if (t.shape[r] === shape.sphere) put("radius", short_number(size[0] / 2) + unit("L"));
+  else if (t.shape[r] !== shape.plane) put("size", vector(size) + unit("L"));
+  if (t.mass[r] > 0 && !(t.flags[r] & 1)) put("mass", short_number(+t.mass[r].toPrecision(5)) + unit("M"));
   put("material", run.name_of_material(t.material[r]).replace(/^material /, ""));
   if (!(t.flags[r] & 2)) put("rank", frame.rank[i]);
-  put("position", vector(frame.place(i, [0, 0, 0])));
+  put("position", vector(frame.place(i, [0, 0, 0])) + unit("L"));
   const error = frame.head.position_error;
   if (error > 0) put("", "± " + short_number(+error.toPrecision(2)) + " as stored");
   const v = frame.blocks.velocity;
   if (v && !(t.flags[r] & 2)) {
-    put("velocity", vector([0, 1, 2].map((k) => v[3 * i + k] * frame.head.speed_cell)));
-    put("speed", short_number(+frame.speed(i).toPrecision(4)));
+    put("velocity", vector([0, 1, 2].map((k) => v[3 * i + k] * frame.head.speed_cell)) + unit("L/T"));
+    put("speed", short_number(+frame.speed(i).toPrecision(4)) + unit("L/T"));
   }
   if (frame.blocks.asleep && frame.blocks.asleep[i]) put("state", "asleep");
   if (frame.blocks.force) {
     const touching = frame.blocks.touching[i];
     put("contacts", touching < 255 ? touching : "255 or more");
-    put("force", short_number(+frame.force(i).toPrecision(4)) + " in all");
+    put("force", short_number(+frame.force(i).toPrecision(4)) + unit("M L/T^2") + " in all");
   }
   return rows;
 }
@@ -1215,6 +1216,11 @@ const figures = [
 
 // A dimension in the units that the program names.
 const in_units = (dimension, units) => dimension.replace(/\b[MLT]\b/g, (letter) => units?.[letter] || letter);
+// The unit behind a number; empty if the program names none.
+const unit_behind = (dimension, units) => {
+  const unit = in_units(dimension, units);
+  return unit === dimension ? "" : " " + unit;
+};
 
 class plot {
   constructor(parent, { title, unit, log }, times, lines) {
@@ -1350,7 +1356,8 @@ function draw_times(add, run) {
   for (const [p, name] of phases.entries())
     if (ranks <= 16) add({ title: "Time per rank: " + name, unit: "ms a step" },
       numbers.map((r) => ({ name: "rank " + r, values: heads.map((_, k) => per_step(k, r, p)) })));
-  add({ title: "Imbalance", unit: "most work of a rank over the mean" },
+  add({ tit)page",
+    R"page(le: "Imbalance", unit: "most work of a rank over the mean" },
     [{ name: "imbalance", values: heads.map((_, k) => {
       const all = work.map((w) => w[k]), m = mean(all);
       return m > 0 ? Math.max(...all) / m : NaN;
@@ -1360,8 +1367,7 @@ function draw_times(add, run) {
 // The page: what is shown, when it is drawn, and what the controls do.
 
 function talus_view() {
-  const $ = (id) => document.)page",
-    R"page(getElementById(id);
+  const $ = (id) => document.getElementById(id);
   const say = (text) => {
     $("message").textContent = text, $("message").hidden = !text;
   };
@@ -1474,7 +1480,7 @@ function talus_view() {
     const frame = state.frame;
     written = performance.now();
     $("slider").value = frame.number;
-    $("time").textContent = "t = " + short_number(+frame.head.time.toPrecision(6)) + "  (step " + frame.head.step + ", frame " +
+    $("time").textContent = "t = " + short_number(+frame.head.time.toPrecision(6)) + unit_behind("T", run.about.units) + "  (step " + frame.head.step + ", frame " +
       (frame.number + 1) + " of " + run.heads.length + ")";
     for (const p of plots) p.show(frame.number);
     show_body();
@@ -1586,7 +1592,8 @@ function talus_view() {
     $("legend").hidden = !m.ramp, $("names").hidden = Boolean(m.ramp);
     if (!m.ramp) {
       $("names").replaceChildren(...m.listed(run).slice(0, 256).map((k) => {
-        const item = document.createElement("li"), mark = document.createElement("i");
+ )page",
+    R"page(       const item = document.createElement("li"), mark = document.createElement("i");
         mark.style.background = "rgb(" + m.colour(run, k) + ")", item.append(mark, m.name(run, k));
         return item;
       }));
@@ -1595,8 +1602,7 @@ function talus_view() {
     const [low, high] = m.range(run), pen = $("ramp").getContext("2d");
     for (let x = 0; x < 160; ++x) {
       const k = 3 * Math.floor((255 * x) / 159);
-     )page",
-    R"page( pen.fillStyle = "rgb(" + [m.ramp[k], m.ramp[k + 1], m.ramp[k + 2]] + ")", pen.fillRect(x, 0, 1, 10);
+      pen.fillStyle = "rgb(" + [m.ramp[k], m.ramp[k + 1], m.ramp[k + 2]] + ")", pen.fillRect(x, 0, 1, 10);
     }
     $("least").textContent = short_number(+low.toPrecision(3)), $("most").textContent = short_number(+high.toPrecision(3));
   }
@@ -1679,7 +1685,8 @@ function talus_view() {
     const about = run.about, head = run.heads[run.heads.length - 1];
     document.title = about.name + " – talus";
     $("name").textContent = about.name;
-    $("facts").textContent = [head.bodies + (head.bodies === 1 ? " body" : " bodies"), head.ranks ? head.ranks + (head.ranks > 1 ? " ranks" : " rank") : "",
+    const numbers = run.heads.map((h) => h.bodies), least = Math.min(...numbers), most = Math.max(...numbers);
+    $("facts").textContent = [(least < most ? least + " to " : "") + most + (least === 1 && most === 1 ? " body" : " bodies"), head.ranks ? head.ranks + (head.ranks > 1 ? " ranks" : " rank") : "",
       run.heads.length + (run.heads.length === 1 ? " frame" : " frames")].filter(Boolean).join(", ");
     for (const name of ["contacts", "joints", "domains"]) $(name + "_row").hidden = !run.has(name);
     $("walls_row").hidden = !run.table.flags.subarray(0, run.table.length).some((x) => x & 1);
