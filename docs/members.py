@@ -168,7 +168,9 @@ NAMED = [("body/material.hpp", "material"), ("body/body.hpp", "body"),
            ("ball_joint", "fixed_joint", "weld", "hinge", "slider", "cylindrical_joint", "universal_joint", "point_on_plane",
             "gear", "strut")],
          ("constraint/rod.hpp", "rod"), ("constraint/rod.hpp", "rope"),
-         *[("constraint/joint_axis.hpp", name) for name in ("joint_limits", "torque_motor", "force_motor", "joint_spring")]]
+         *[("constraint/joint_axis.hpp", name) for name in ("joint_limits", "torque_motor", "force_motor", "joint_spring")],
+         *[("body/motion.hpp", name) for name in ("rigid_displacement", "rigid_velocity", "surface_velocity", "oscillation",
+                                                  "turning", "gliding", "belt")]]
 
 POLICIES = ["scenario", "bodies", "hard_contact", "soft_contact", "solver", "broad_phase", "integrator", "decomposition",
             "transport", "precision", "features", "joints"]
@@ -457,7 +459,8 @@ def main():
     outputs = {root / "docs" / "members.md": page, include / "core" / "field_names.hpp": sentences(),
                include / "core" / "misspelt.hpp": misspelt()}
     for header, struct in NAMED:
-        listed, prefix = fields(header, struct), struct + "_have_" if struct == "joint_limits" else f"a_{struct}_has_"
+        listed, article = fields(header, struct), "an" if struct[0] in "aeiou" else "a"
+        prefix = struct + "_have_" if struct == "joint_limits" else f"{article}_{struct}_has_"
         outputs[include / header] = re.sub(rf"\b{prefix}\w+", prefix + said(listed).replace(", ", "_").replace(" ", "_"),
                                            outputs.get(include / header) or (include / header).read_text())
     for file, text in outputs.items():

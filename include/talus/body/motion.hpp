@@ -8,6 +8,8 @@
 
 namespace talus {
 
+inline namespace a_rigid_displacement_has_shift_turn_and_about {
+
 /// Positions of the points of a body at a time: x goes to about + turn (x - about) + shift, where x
 /// is the position when the body was driven. A motion that returns it has no drift at all: the pose
 /// depends on the time alone. At the time of the call it must be zero.
@@ -16,6 +18,10 @@ struct rigid_displacement {
   quat turn{1, 0, 0, 0};  ///< a unit quaternion
   vec3 about{0, 0, 0};    ///< the fixed point of `turn`
 };
+
+}  // namespace a_rigid_displacement_has_shift_turn_and_about
+
+inline namespace a_rigid_velocity_has_velocity_angular_velocity_and_about {
 
 /// Velocities of the points of a body at a time: velocity + angular_velocity x (x - about). A
 /// motion that returns it is integrated step by step, from its value at the middle of each step: of
@@ -26,6 +32,10 @@ struct rigid_velocity {
   vec3 about{0, 0, 0};             ///< a point of the axis
 };
 
+}  // namespace a_rigid_velocity_has_velocity_angular_velocity_and_about
+
+inline namespace a_surface_velocity_has_velocity_angular_velocity_and_about {
+
 /// Velocities of the points of a surface that moves within itself while its body stays, as a
 /// conveyor belt does: velocity + angular_velocity x (x - about).
 struct surface_velocity {
@@ -34,7 +44,11 @@ struct surface_velocity {
   vec3 about{0, 0, 0};             ///< a point of the axis
 };
 
+}  // namespace a_surface_velocity_has_velocity_angular_velocity_and_about
+
 // The motions below count the time from the call of world.drive.
+
+inline namespace an_oscillation_has_amplitude_frequency_and_phase {
 
 /// Motion of a shaker: to and fro by `amplitude` sin(2 pi frequency t + phase), minus its value at
 /// t = 0, so that it starts at the present position.
@@ -50,6 +64,10 @@ struct oscillation {
   }
 };
 
+}  // namespace an_oscillation_has_amplitude_frequency_and_phase
+
+inline namespace a_turning_has_about_axis_and_speed {
+
 /// Motion of a drum or a mixer: about an axis through a point, at constant speed. In a step it may
 /// rotate by less than half a turn.
 struct turning {
@@ -63,6 +81,10 @@ struct turning {
   }
 };
 
+}  // namespace a_turning_has_about_axis_and_speed
+
+inline namespace a_gliding_has_velocity {
+
 /// Motion along a line, at constant velocity.
 struct gliding {
   vec3 velocity{0, 0, 0};  ///< length over time
@@ -71,6 +93,10 @@ struct gliding {
   [[nodiscard]] rigid_displacement operator()(real t) const { return {.shift = t * velocity}; }
 };
 
+}  // namespace a_gliding_has_velocity
+
+inline namespace a_belt_has_velocity {
+
 /// A belt: the surface moves, and the body stays.
 struct belt {
   vec3 velocity{0, 0, 0};  ///< length over time
@@ -78,5 +104,7 @@ struct belt {
   /// Its velocity at any time.
   [[nodiscard]] surface_velocity operator()(real) const { return {.velocity = velocity}; }
 };
+
+}  // namespace a_belt_has_velocity
 
 }  // namespace talus
