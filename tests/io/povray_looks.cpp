@@ -9,6 +9,7 @@
 #include <talus/io/povray.hpp>
 #include <talus/mesh.hpp>
 #include <talus/parallel/grid.hpp>
+#include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
 
 using namespace talus;
@@ -80,6 +81,24 @@ std::string draw_barrel(const picture& look) {
 }
 
 }  // namespace
+
+TEST_CASE("a picture of one rank tells nameless materials apart") {
+  using alone = scenario<bodies<sphere>, transport<serial>>;
+  const auto drawn = [](picture::colouring colour) {
+    return written([&](const std::string& file) {
+      serial::launch({}, [&](serial::link& link) {
+        world<alone> w(link);
+        const material_id of[] = {w.material({}), w.material({.density = 2})};
+        for (const int k : {0, 1})
+          w.add(body{.shape = sphere{0.5}, .position = {3. * k, 0, 2}, .material = of[k]});
+        write_povray(w, file, {.colour = colour});
+      });
+    });
+  };
+  const std::string automatic = drawn(picture::colouring::automatic);
+  CHECK(automatic == drawn(picture::colouring::material));
+  CHECK(automatic != drawn(picture::colouring::rank));
+}
 
 TEST_CASE("bodies have the colours of their materials, if a material has a name or a colour") {
   const std::string coloured = draw({}, true), plain = draw({}, false);

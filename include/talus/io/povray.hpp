@@ -67,8 +67,9 @@ class povray_scene {
     if (const auto centre = centre_of_followed(w, look.follow))
       look_.from += *centre, look_.at += *centre;
     if (look_.colour == picture::colouring::automatic)
-      look_.colour = shows_materials(view_of(w).materials) ? picture::colouring::material
-                                                           : picture::colouring::rank;
+      look_.colour = w.ranks() == 1 || shows_materials(view_of(w).materials)
+                         ? picture::colouring::material
+                         : picture::colouring::rank;
     measure();
   }
 

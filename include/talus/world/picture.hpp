@@ -7,7 +7,7 @@ namespace talus {
 
 /// The view of a world. Lengths are in the units of the scene, angles in degrees.
 struct picture {
-  /// automatic: by material if one has a name or a colour, otherwise by rank
+  /// automatic: by material if one has a name or a colour, and on one rank; otherwise by rank
   enum class colouring { automatic, rank, speed, material };
 
   vec3 from{10, -20, 10};  ///< position of the camera
