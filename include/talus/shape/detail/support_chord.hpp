@@ -36,7 +36,7 @@ class support_chord {
     middle_ = real(0.1) * support_(vec3(real(0.3) * along + real(0.5) * right_ + real(0.8) * up_));
   }
 
-  /// Of the line through p.
+  /// The chord along the line through p.
   [[nodiscard]] chord of(const vec3& on_line) const {
     // Beside the line, which shall meet no corner and no edge of a triangle.
     const vec3 p = on_line + 3 * small_ * right_ + 2 * small_ * up_;
