@@ -6,6 +6,7 @@
 
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <talus/checkpoint.hpp>
@@ -303,6 +304,30 @@ TEST_CASE("what looks at the bodies of the set-up in a restart is refused, with 
                                             w.gravity({0, 0, -1});
                                           }); }, {}).said,
           "world.once for 'x' changes a parameter of the world"));
+  // A value of one rank would be that of all after a restart.
+  const auto on_two = [&](auto&& between) { return two_stages(between, {"--ranks", "2"}); };
+  const char* const differ = "ranks have different values of world.once for 'x'";
+  CHECK(has(on_two([](auto& w, auto&) { w.once("x", [&] { return w.local_bodies(); }); }).said,
+            differ));
+  CHECK(has(on_two([](auto& w, auto& ball) { w.once("x", [&] { return ball; }); }).said, differ));
+  struct padded {
+    char a;
+    double b;
+  };
+  const auto part = [](auto& w, auto&) {
+    w.once("x", [&] { return padded{'x', static_cast<double>(w.rank())}; });
+  };
+#if __has_builtin(__builtin_clear_padding)
+  CHECK(has(on_two(part).said, differ));
+#else
+  (void)part;
+#endif
+  const ended alike = on_two([](auto& w, auto&) {
+    w.once("x", [&] { return padded{'x', 1}; });
+    w.once("y", [&] { return measure_motion(w).momentum; });
+    w.once("z", [&] { return std::numeric_limits<double>::quiet_NaN(); });
+  });
+  CHECK(alike.code == 0);
   // A restart would take up the first call of simulate() at another step.
   CHECK(has(two_stages([](auto& w, auto&) { w.once("x", [&] { w.step(1e-4); }); }, {}).said,
             "world.once for 'x' makes steps"));

@@ -638,9 +638,9 @@ class world {
   /// handle, or another type without memory of its own. f may return nothing: a change of bodies
   /// that looks at them, which a restart leaves out (the bodies are replaced by those of the file).
   /// All ranks call it alike. Throws invalid_argument for a name that is empty or was used before,
-  /// logic_error if f makes steps, or adds a body with add(), whose id depends on the ranks, and
-  /// runtime_error if a restart finds no value of that name in its file. Needs
-  /// features<checkpoints>.
+  /// logic_error if f makes steps, or adds a body with add(), whose id depends on the ranks, or if
+  /// ranks have different values, and runtime_error if a restart finds no value of that name in its
+  /// file. Needs features<checkpoints>.
   template <class F>
   auto once(const std::string& name, F&& f);
   /// Calls f() after each step of simulate().

@@ -1,13 +1,55 @@
 #pragma once
 // Values that are computed once, and kept in checkpoints. A member function of world.
+#include <array>
 #include <concepts>
+#include <cstdint>
 #include <cstring>
+#include <span>
 #include <type_traits>
 
 #include "talus/core/bytes.hpp"
+#include "talus/parallel/reduction.hpp"
 #include "talus/world/world.hpp"
 
+#ifdef __has_builtin
+#if __has_builtin(__builtin_clear_padding)
+#define TALUS_CLEARS_PADDING
+#endif
+#endif
+
 namespace talus {
+
+namespace detail {
+
+/// Collective: whether all ranks have this value. Values without == are compared by their bytes,
+/// where the compiler can leave out bytes between members; elsewhere they count as equal.
+template <class Link, class T>
+[[nodiscard, gnu::cold]] bool alike_on_ranks(Link& link, int rank, const T& value) {
+  T plain = value;
+#ifdef TALUS_CLEARS_PADDING
+  __builtin_clear_padding(&plain);
+  constexpr bool compares = true;
+#else
+  constexpr bool compares =
+      std::equality_comparable<T> || std::has_unique_object_representations_v<T>;
+#endif
+  if constexpr (!compares) return true;
+  std::array<std::uint64_t, (sizeof(T) + 7) / 8> here{};
+  std::memcpy(here.data(), &plain, sizeof(T));
+  auto of_first = here;
+  if (rank != 0) of_first.fill(0);
+  link.reduce(reduction::sum, std::span<std::uint64_t>(of_first));
+  double differs = here == of_first ? 0 : 1;
+  if constexpr (std::equality_comparable<T>) {
+    T first;
+    std::memcpy(static_cast<void*>(&first), of_first.data(), sizeof(T));
+    if (value == first) differs = 0;
+  }
+  link.reduce(reduction::max, std::span<double>(&differs, 1));
+  return differs == 0;
+}
+
+}  // namespace detail
 
 template <class Scenario>
 template <class F>
@@ -65,6 +107,13 @@ auto world<Scenario>::once(const std::string& name, F&& f) {
         const value v = f();
         const auto* const at = reinterpret_cast<const std::byte*>(&v);
         note({at, at + sizeof(value)});
+        if (!detail::alike_on_ranks(link(), rank(), v))
+          detail::fail<std::logic_error>(
+              "ranks have different values of world.once for '{}', and a restart has one for all "
+              "of "
+              "them: combine them, as by world.link().reduce(reduction::max, ...); a handle that "
+              "add_if_local gives to one rank stays outside of world.once",
+              name);
         return v;
       }
     }
@@ -74,3 +123,5 @@ auto world<Scenario>::once(const std::string& name, F&& f) {
 }
 
 }  // namespace talus
+
+#undef TALUS_CLEARS_PADDING
