@@ -83,7 +83,7 @@ struct three_stages {
 
   template <class World, class Options>
   void operator()(World& world, const Options& options) {
-    world.decompose({.lower = -2, .upper = 2});
+    world.decompose({.lower = {-2}, .upper = {2}});
     world.gravity({0, 0, -10});
     const auto stone = world.material({.density = 2, .friction = 0.1, .stiffness = 1e4});
     const auto wall = world.material({.density = 2, .friction = 0.5, .stiffness = 1e4});
@@ -222,7 +222,7 @@ TEST_CASE("a run without signals writes its checkpoint at the ends of calls from
     const scratch files;
     std::uint64_t at_second = 1;
     const auto set_up = [&](auto& world, const auto& options) {
-      world.decompose({.lower = -2, .upper = 2});
+      world.decompose({.lower = {-2}, .upper = {2}});
       const auto stone = world.material({.density = 2, .stiffness = 1e4});
       world.add_if_local(body{.shape = sphere{0.5}, .material = stone, .velocity = {0.1, 0, 0}});
       world.simulate({.steps = static_cast<std::size_t>(part), .dt = options.dt});
@@ -250,7 +250,7 @@ TEST_CASE("what looks at the bodies of the set-up in a restart is refused, with 
   const auto two_stages = [&](auto&& between, std::vector<std::string> more) {
     more.insert(more.end(), {"--checkpoint-every", "30"});
     return program(files, more, [&](auto& world, const auto& options) {
-      world.decompose({.lower = -2, .upper = 2});
+      world.decompose({.lower = {-2}, .upper = {2}});
       const auto m = world.material({.density = 2, .stiffness = 1e4});
       const auto ball =
           world.add_if_local(body{.shape = sphere{0.5}, .position = {0.5, 0, 1}, .material = m});

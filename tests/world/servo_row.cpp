@@ -29,7 +29,7 @@ template <class Law>
 real press_row(int ranks, real dt) {
   real end = 0;
   threads::launch({.ranks = ranks}, [&](threads::link& link) {
-    world<scene<Law>> w(link, {.lower = 0, .upper = 2 * r * spheres});
+    world<scene<Law>> w(link, {.lower = {0}, .upper = {2 * r * spheres}});
     const auto m = w.material({.density = 2, .restitution = 0.1, .stiffness = k});
     handle<plane> lid, floor;
     w.global([&](auto& s) {
@@ -62,7 +62,7 @@ real press_row(int ranks, real dt) {
 /// A sphere in a cell of six planes of which three press, each on its present area.
 void press_in_cell(real dt, real tolerance) {
   threads::launch({.ranks = 1}, [&](threads::link& link) {
-    world<scene<soft>> w(link, {.lower = -5, .upper = 5});
+    world<scene<soft>> w(link, {.lower = {-5}, .upper = {5}});
     const auto m = w.material({.density = 2, .restitution = 0.3, .stiffness = 500});
     std::array<handle<plane>, 3> fixed, walls;
     w.global([&](auto& s) {
@@ -102,7 +102,7 @@ TEST_CASE("walls press on areas that follow the other walls") { press_in_cell(1e
 
 TEST_CASE("critical_dt counts the largest speed of a servo") {
   threads::launch({.ranks = 1}, [](threads::link& link) {
-    world<scene<soft_contact<hertz_mindlin, coulomb_friction>>> w(link, {.lower = -5, .upper = 5});
+    world<scene<soft_contact<hertz_mindlin, coulomb_friction>>> w(link, {.lower = {-5}, .upper = {5}});
     const auto m = w.material({.density = 2, .youngs_modulus = 1e5});
     handle<plane> lid;
     w.global([&](auto& s) { lid = s.add(plane{.normal = {0, 0, -1}, .offset = -2}, m); });
