@@ -63,7 +63,7 @@ namespace talus::detail {
   return compose(
       "--dt {} seems to have no effect in this program, whose steps have lengths of {}{}: give "
       "world.simulate .dt = options.dt",
-      dt, least, least == most ? std::string() : " to " + text(most));
+      dt, text(least, 4), least == most ? std::string() : " to " + text(most, 4));
 }
 
 }  // namespace talus::detail
