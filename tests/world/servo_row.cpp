@@ -102,7 +102,8 @@ TEST_CASE("walls press on areas that follow the other walls") { press_in_cell(1e
 
 TEST_CASE("critical_dt counts the largest speed of a servo") {
   threads::launch({.ranks = 1}, [](threads::link& link) {
-    world<scene<soft_contact<hertz_mindlin, coulomb_friction>>> w(link, {.lower = {-5}, .upper = {5}});
+    world<scene<soft_contact<hertz_mindlin, coulomb_friction>>> w(link,
+                                                                  {.lower = {-5}, .upper = {5}});
     const auto m = w.material({.density = 2, .youngs_modulus = 1e5});
     handle<plane> lid;
     w.global([&](auto& s) { lid = s.add(plane{.normal = {0, 0, -1}, .offset = -2}, m); });
