@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "talus/constraint/approach.hpp"
@@ -20,6 +22,7 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/solver/colouring.hpp"
 #include "talus/solver/contact_sums.hpp"
+#include "talus/solver/renewable.hpp"
 
 namespace talus::detail {
 
@@ -57,6 +60,7 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
       for (part& p : colours_[k].parts) p.clear();
     used_ = 0;
     count_ = 0;
+    pairs_alone_ = renewed_ = held_ = false;
   }
   void add(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
            history_place* last, bool = false) {
@@ -66,6 +70,40 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
                     history_place* last) {
     waiting_.add(contact, key, last, {true, true, true, owns_a, -1});
   }
+
+  // Contacts that are kept for more than one step, as in contact_list.
+
+  /// All contacts of the list are added by this function, or none.
+  void add_pair(const Contact& contact, const contact_key& key, bool a_moves, bool b_moves,
+                history_place* last) requires(renewable<Contact>) {
+    pairs_alone_ = true;
+    waiting_.add(contact, key, last, {a_moves, b_moves, false, true, -1});
+  }
+  /// Whether contacts were added by add_pair() since renew() was called.
+  [[nodiscard]] bool lacks_data() const { return pairs_alone_ && !renewed_ && !held_; }
+  /// After arrange().
+  template <class F>
+  [[nodiscard]] bool renew(bool kept, bool loads, F&& renewed) requires(renewable<Contact>) {
+    renewed_ = kept, held_ = false;
+    for (std::size_t k = 0; k < used_; ++k)
+      if (!colours_[k].parts[0].row.renew(kept && loads, renewed)) return false;
+    return true;
+  }
+  [[nodiscard]] bool renewed() const { return renewed_; }
+  [[nodiscard]] bool held() const { return held_; }
+  void hold() { held_ = true; }
+  void store_in_place(stored_contact* entries) requires(renewable<Contact>) {
+    for (std::size_t k = 0; k < used_; ++k) {
+      auto& row = colours_[k].parts[0].row;
+      row.each_impulse(
+          [entries](std::size_t i, const vec3& impulse) { entries[i].memory = impulse; });
+      entries += row.size();
+    }
+  }
+  /// Moves contacts of own bodies, one for each unit, from the colours `before` to those of now.
+  /// They load their impulses again.
+  template <class Colour>
+  void rearrange(std::span<const std::uint32_t> before, Colour&& colour_of, std::uint32_t colours);
 
   /// Calls f(unit, shared) for each pair of bodies, and each body with all that holds it where that
   /// is solved together (see grounded_contacts.hpp); the caller sets the unit's list.
@@ -294,6 +332,8 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
   std::vector<all_parts> colours_;
   plain_vector<unit_place> places_;
   std::size_t used_ = 0, count_ = 0;
+  bool pairs_alone_ = false;  ///< all contacts were added by add_pair()
+  bool renewed_ = false, held_ = false;
 };
 
 template <class Contact>
@@ -317,7 +357,11 @@ void coloured_list<Contact>::arrange(std::uint32_t colours, bool find_units) {
       if (next) places_.push_back({e.shared, static_cast<std::uint32_t>(p.row.size()), 0});
       ++places_.back().count;
     }
-    p.row.add(w.contacts[i], e.a_moves, e.b_moves);
+    if constexpr (renewable<Contact>)
+      pairs_alone_ ? p.row.add_pair(w.contacts[i], e.a_moves, e.b_moves)
+                   : p.row.add(w.contacts[i], e.a_moves, e.b_moves);
+    else
+      p.row.add(w.contacts[i], e.a_moves, e.b_moves);
     p.keys.push_back(w.keys[i]);
     p.places.push_back(w.places[i]);
     if (e.shared) p.owns_a.push_back(e.owns_a);
@@ -327,7 +371,28 @@ void coloured_list<Contact>::arrange(std::uint32_t colours, bool find_units) {
 }
 
 template <class Contact>
+template <class Colour>
+void coloured_list<Contact>::rearrange(std::span<const std::uint32_t> before, Colour&& colour_of,
+                                       std::uint32_t colours) {
+  std::vector<all_parts> from(std::max<std::size_t>(colours_.size(), colours));
+  std::swap(colours_, from);
+  used_ = colours;
+  renewed_ = false;
+  plain_vector<std::size_t> next(from.size(), 0);
+  for (std::size_t n = 0; n < before.size(); ++n) {
+    const part& old = from[before[n]].parts[0];
+    const std::size_t i = next[before[n]]++;
+    part& p = colours_[colour_of(n)].parts[0];
+    p.row.add(old.row[i], true, true);
+    p.keys.push_back(old.keys[i]);
+    p.places.push_back(old.places[i]);
+  }
+}
+
+template <class Contact>
 void coloured_list<Contact>::load_impulses(const contact_history& history) {
+  if constexpr (renewable<Contact>)
+    if (renewed_) return;  // they are loaded
   each_part([&](part& p, bool) { p.row.load_impulses(history, p.keys, p.places); });
 }
 

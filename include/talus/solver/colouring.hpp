@@ -25,6 +25,11 @@ struct contact_unit {
   std::uint32_t list = 0;       ///< of the solver: two bodies may have joints in several
   std::uint32_t first = 0;      ///< of its contacts in their list
   std::int32_t line = -1;       ///< index of the connection to the neighbour that has it too
+
+  /// Whether another unit takes its place in the same order.
+  [[nodiscard]] bool same_bodies(const contact_unit& u) const {
+    return id_a == u.id_a && id_b == u.id_b && a == u.a && b == u.b && first == u.first;
+  }
 };
 
 /// The data that two neighbours exchange about the contacts between their bodies, in the same order
@@ -50,7 +55,8 @@ class colouring {
  public:
   std::vector<colour_line> lines;
 
-  void start(std::size_t bodies);
+  /// Begins with the first `kept` units of the last time, if these are alone: without lines.
+  void start(std::size_t bodies, std::size_t kept = 0);
   void add(const contact_unit& unit) { units_.push_back(unit); }
 
   /// `exchange(first)` sends `out` of all connections (if `first`) or of the open ones, and fills

@@ -5,8 +5,8 @@
 
 namespace talus::detail {
 
-TALUS_INLINE void colouring::start(std::size_t bodies) {
-  units_.clear();
+TALUS_INLINE void colouring::start(std::size_t bodies, std::size_t kept) {
+  units_.resize(kept);
   sets_.reset(bodies);
   colours_ = 0;
   for (colour_line& l : lines) {

@@ -17,6 +17,7 @@
 #include "talus/solver/boundary_contacts.hpp"
 #include "talus/solver/contact_access.hpp"
 #include "talus/solver/contact_sums.hpp"
+#include "talus/solver/renewable.hpp"
 
 namespace talus::detail {
 
@@ -39,12 +40,6 @@ template <class Contact>
 requires requires { typename Contact::blocks; }
 struct interior_contacts<Contact> {
   using type = typename Contact::blocks;
-};
-
-/// Contacts that can be kept from step to step, with new data; see step/kept_contacts.hpp.
-template <class Contact>
-concept renewable = Contact::paired && requires {
-  typename Contact::blocks;
 };
 
 /// Contacts whose sweeps can go through groups of islands one after the other.

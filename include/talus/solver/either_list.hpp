@@ -52,6 +52,13 @@ class either_list {
   void each_acting(F&& f) const {
     by_colours_ ? coloured_.each_acting(f) : swept_.each_acting(f);
   }
+  [[nodiscard]] bool renewed() const {
+    return by_colours_ ? coloured_.renewed() : swept_.renewed();
+  }
+  void hold() { by_colours_ ? coloured_.hold() : swept_.hold(); }
+  void store_in_place(stored_contact* entries) requires(renewable<Contact>) {
+    by_colours_ ? coloured_.store_in_place(entries) : swept_.store_in_place(entries);
+  }
   void load_impulses(const contact_history& history) {
     by_colours_ ? coloured_.load_impulses(history) : swept_.load_impulses(history);
   }

@@ -51,7 +51,12 @@ class found_spheres {
   explicit found_spheres(world_state<Scenario>& s) : s_(s) {}
 
   void make_all(plain_vector<close_pair>& pairs) {
-    if (keeps_contacts(s_)) return contact_keeper<Scenario>(s_).make_all(pairs);
+    using state = world_state<Scenario>;
+    if constexpr (state::may_use_colours)
+      if (s_.on_one_rank() && s_.by_colours())
+        return contact_keeper<Scenario, true>(s_).make_all(pairs);
+    if constexpr (!state::may_use_colours || state::two_solvers)
+      if (s_.on_one_rank()) return contact_keeper<Scenario, false>(s_).make_all(pairs);
     if constexpr (!world_state<Scenario>::link_type::alone)
       each_found_pair_of<sphere, sphere, partner::moving>(
           s_, pairs, contact_maker<Scenario, sphere, sphere, partner::moving>(s_));
@@ -68,7 +73,7 @@ void detect(world_state<Scenario>& s) {
   s.solver.impacts = s.solver.impacts_ended = false;
   s.solver.finishes = finishes_impacts(s);
   s.each_contact_list([&]<class List>(List& list) {
-    if (!keeps_contacts_in<Scenario, List>() || !keeps_contacts(s)) list.clear();
+    if (!keeps_contacts_in<Scenario, List>() || !s.on_one_rank()) list.clear();
   });
   if constexpr (is_cohesive<typename world_state<Scenario>::law>) s.attraction.clear();
   constexpr bool continuous = world_state<Scenario>::continuous;

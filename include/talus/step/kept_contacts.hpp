@@ -48,7 +48,7 @@ template <class Scenario, class ShapeA, class ShapeB, partner Partner>
            !state::has_joints && !state::sleeps && !state::drives &&
            !is_cohesive<typename state::law> && !monitored<Scenario, penetration_monitor> &&
            requires(list_of_spheres<Scenario> & list) {
-      { list_in_use<false>(list) } -> std::same_as<contact_list<contact_of_spheres<Scenario>>&>;
+      list.renewed();
     };
   } else {
     return false;
@@ -62,13 +62,9 @@ template <class Scenario, class List>
       return std::is_same_v<List, list_of_spheres<Scenario>>;
   return false;
 }
-/// Whether they are kept in this run: one rank has all bodies, and sweeps in their order.
-template <class Scenario>
-[[nodiscard]] bool keeps_contacts(const world_state<Scenario>& s) {
-  return s.on_one_rank() && !s.by_colours();
-}
 
-template <class Scenario>
+/// For runs on one rank. `Coloured`: the contacts are solved colour by colour.
+template <class Scenario, bool Coloured>
 class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   static constexpr bool strikes = world_state<Scenario>::law::restitution &&
                                   world_state<Scenario>::law::correction &&
@@ -85,7 +81,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
  public:
   explicit contact_keeper(state_type& s)
       : base(s),
-        list_(list_in_use<false>(std::get<list_of_spheres<Scenario>>(s.contacts))),
+        list_(list_in_use<Coloured>(std::get<list_of_spheres<Scenario>>(s.contacts))),
         kept_(s.found.kept),
         motion_(s, a_, a_) {}
 
@@ -101,6 +97,11 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     list_.clear();
     if (spheres_ == nullptr) note_motion();
     find(pairs);
+    if constexpr (!Coloured) set_data();
+  }
+  /// Sets the data of contacts that were found; after they have their colours.
+  void set_data() {
+    if constexpr (Coloured) note_places(), note_motion();
     if (!renew(false)) fail<std::logic_error>("a contact of spheres was found and lost again");
   }
 
@@ -346,7 +347,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     return between_;
   }
 
-  contact_list<contact_type>& list_;
+  std::conditional_t<Coloured, coloured_list<contact_type>, contact_list<contact_type>>& list_;
   kept_contacts& kept_;
   pair_motion<Scenario, sphere, sphere, true> motion_;
   const placed_sphere* places_ = nullptr;

@@ -115,7 +115,7 @@ template <class Solver, class Scenario>
 void solve_contacts(world_state<Scenario>& s) {
   constexpr bool coloured = solves_by_colours<Solver>;
   if constexpr (coloured) {
-    colour_contacts(s);
+    contact_colours<Scenario>(s).assign();
     if constexpr (world_state<Scenario>::law::restitution && !world_state<Scenario>::drives)
       if (s.solver.impacts) {
         auto&& lists = solver_lists<true>(s);
@@ -157,18 +157,16 @@ void store_impulses(world_state<Scenario>& s) {
   constexpr bool may_keep =
       keeps_contacts_in<Scenario, std::tuple_element_t<0, decltype(s.contacts)>>();
   if constexpr (may_keep)
-    if (keeps_contacts(s))
-      if (auto& first = list_in_use<false>(std::get<0>(s.contacts));
-          first.renewed() && s.history.unchanged())
+    if (s.on_one_rank())
+      if (auto& first = std::get<0>(s.contacts); first.renewed() && s.history.unchanged())
         kept = first.size();
   s.history.reset(count, kept);
   if constexpr (may_keep)
-    if (kept > 0)
-      list_in_use<false>(std::get<0>(s.contacts)).store_in_place(s.history.entries().data());
+    if (kept > 0) std::get<0>(s.contacts).store_in_place(s.history.entries().data());
   s.each_contact_list([&]<class List>(List& list) {
     if constexpr (keeps_contacts_in<Scenario, List>())
-      if (keeps_contacts(s)) {
-        list_in_use<false>(list).hold();
+      if (s.on_one_rank()) {
+        list.hold();
         if (kept > 0) return;
       }
     list.store_impulses(s.history);
