@@ -45,7 +45,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   using wide = wide_pack<real>;
   static constexpr bool batched =
       paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
-  static constexpr bool strikes = law::restitution && law::correction && !state_type::midpoint &&
+  static constexpr bool strikes = law::restitution && law::correction &&
                                   !uses_substeps<typename Scenario::solver>;
   /// Contacts of spheres are computed several at a time, where only their motion counts.
   static constexpr bool packed =
@@ -351,7 +351,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
     if constexpr (state_type::midpoint) {
       if (want.target_velocity != 0) c.bias = {0, 0, 0};
-      want.restitution = 0;
+      if constexpr (strikes)
+        if (want.restitution > 0) reflect_in_the_middle(c, want, g, motion_.fall(i, j, g.normal));
     }
     set_conditions(c, want);
     s_.solver.impacts = s_.solver.impacts || rebound > 0;
@@ -376,6 +377,18 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   void let_pass(contact_conditions& want, real gap, real un, real pull) const {
     want.target_velocity = want.limit = passing_velocity(gap, un, pull, s_.dt);
     want.slowest = slowest_impact(want.limit, want.restitution, pull, s_.dt);
+  }
+  /// Impacts reflect velocities that have half of the acceleration `fall` of the step: with e = 1
+  /// they keep the energy to round-off, in any order. Half of the motion is still to come.
+  void reflect_in_the_middle(contact_type& c, contact_conditions& want, const contact_geometry& g,
+                             real fall) const {
+    if (want.limit < 0) {
+      if (want.target_velocity == want.limit) want.target_velocity *= 2;
+      want.limit *= 2, want.slowest = std::min(want.slowest, want.limit);
+    }
+    const real half = real(0.5) * fall * s_.dt;
+    c.bias -= half * g.normal;
+    want.target_velocity += half, want.limit += half, want.slowest += half;
   }
   static void set_conditions(contact_type& c, const contact_conditions& want) {
     c.target_velocity = static_cast<decltype(c.target_velocity)>(want.target_velocity);
