@@ -45,8 +45,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   using wide = wide_pack<real>;
   static constexpr bool batched =
       paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
-  static constexpr bool strikes = law::restitution && law::correction &&
-                                  !uses_substeps<typename Scenario::solver>;
+  static constexpr bool strikes =
+      law::restitution && law::correction && !uses_substeps<typename Scenario::solver>;
   /// Contacts of spheres are computed several at a time, where only their motion counts.
   static constexpr bool packed =
       paired && std::is_same_v<ShapeA, sphere> && std::is_same_v<ShapeB, sphere> && !imaged &&
