@@ -3,11 +3,11 @@
 #include <limits>
 namespace talus::detail {
 
-/// What a sweep does with impacts before it solves a contact. After the first sweep, contacts with a
-/// gap are *released* if other impulses drive them together: the limit -gap/dt would stop the
-/// surfaces without rebound. In the last sweeps they are *struck*: each rebounds as an impact of its
-/// two bodies alone, with all impulses of impacts before *held*. From then on contacts that have
-/// rebounded add what the limit needs, and take nothing back.
+/// What a sweep does with impacts before it solves a contact. After the first sweep, contacts with
+/// a gap are *released* if other impulses drive them together: the limit -gap/dt would stop the
+/// surfaces without rebound. In the last sweeps they are *struck*: each rebounds as an impact of
+/// its two bodies alone, with all impulses of impacts before *held*. From then on contacts that
+/// have rebounded add what the limit needs, and take nothing back.
 enum class impact_stage : char { none, release, strike };
 
 /// Which sweeps of a step release and strike. With a tolerance, strikes begin when the solution
