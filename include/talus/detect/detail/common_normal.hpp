@@ -13,15 +13,25 @@
 
 namespace talus::detail {
 
-/// A ball or a cylinder about a corner or a line, which have no normals themselves.
+/// All points at a distance from a corner, a line or a circle, which have no normals themselves.
 template <class Real>
 struct round_part {
   using vector = vector3<Real>;
-  vector from, axis;  ///< a unit vector, or zero for a ball
+  vector from, axis;  ///< a unit vector along the line or across the circle, or zero for a corner
   Real radius;
+  Real circle = 0;  ///< radius of the circle about `from`, or 0
 
   [[nodiscard]] surface_level level(const vector& p, Real size) const {
     const vector away = p - from, across = away - axis.dot(away) * axis;
+    if (circle > 0) {
+      const Real wide = across.norm();
+      const vector outwards = across / wide, from_circle = away - circle * outwards;
+      const Real distance = from_circle.norm(), bend = size / (distance * radius);
+      const vector out = from_circle / distance, around = axis.cross(outwards);
+      return {distance / radius,
+              (size / radius) * out,
+              {{bend, bend * (wide - circle) / wide}, {out.cross(around), around}}};
+    }
     const Real distance = across.norm(), bend = size / (distance * radius);
     const vector out = across / distance;
     const bool ball = !(axis.squaredNorm() > 0);

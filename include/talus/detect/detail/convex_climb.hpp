@@ -220,16 +220,17 @@ void sharpen(const convex_pair<Real>& pair, core_distance<Real>& best, Real scal
     part = held_by(best.corners, of_a ? &difference_point<Real>::a : &difference_point<Real>::b);
     if (of_a) part.from -= best.shift, part.to -= best.shift;
   }
-  // The same where the smooth body is flat: there, the point that a normal belongs to is uncertain.
+  // The same by the points: where a smooth body is flat, that of a normal is uncertain.
   const auto by_points = [&] {
     summit_of<Real> s;
     const convex_view<Real>& body = of_a ? pair.b : pair.a;
-    if (!body.has_level() || (part.kind != form::corner && part.kind != form::line)) return s;
+    if (!body.has_level() || part.kind == form::none) return s;
     const vector shift = of_a ? vector(vector::Zero()) : pair.shift;
-    const round_part<Real> around{
-        part.from - shift,
-        part.kind == form::line ? vector((part.to - part.from).normalized()) : vector::Zero(),
-        body.smallest()};
+    const bool corner = part.kind == form::corner, circle = part.kind == form::circle;
+    const vector axis =
+        corner ? vector(vector::Zero()) : vector((part.to - part.from).normalized());
+    const round_part<Real> around{part.from - shift, axis, body.smallest(),
+                                  circle ? part.rounding : Real(0)};
     common_normal<Real, convex_view<Real>, round_part<Real>> search(
         body, body.smallest(), around, around.radius, (of_a ? best.on_b : best.on_a) - shift,
         of_a ? vector(-best.normal) : best.normal, best.gap - around.radius);
@@ -238,15 +239,25 @@ void sharpen(const convex_pair<Real>& pair, core_distance<Real>& best, Real scal
     s.state = climbed::summit;
     s.normal = of_a ? vector(-n) : n;
     s.gap = search.gap() + around.radius;
-    s.at.a = of_a ? part.from : on_body, s.at.b = of_a ? on_body : part.from;
+    vector held = part.from;
+    if (circle) {
+      const vector away = on_body - s.gap * search.normal() - part.from;
+      held += part.rounding * vector(away - axis.dot(away) * axis).normalized();
+    }
+    s.at.a = of_a ? held : on_body, s.at.b = of_a ? on_body : held;
     return s;
   };
+  const Real exact = Real(1e-13) * scale;  // a length
   const auto attempt = [&] {
     held_pair<Real> search{pair, of_a ? part : held_part<Real>{}, of_a ? held_part<Real>{} : part};
     if (part.kind == form::line) search.line = (part.to - part.from).normalized();
     summit_of<Real> s =
         climb<Real>(search, best.normal, search.line, std::numeric_limits<Real>::infinity(), scale);
-    if (s.state != climbed::summit) s = by_points();
+    const vector& w = s.at.w;
+    if (s.state != climbed::summit || !((w - w.dot(s.normal) * s.normal).norm() < exact)) {
+      const summit_of<Real> better = by_points();
+      if (better.state == climbed::summit) s = better;
+    }
     if (s.state != climbed::summit || !(s.normal.dot(best.normal) > Real(0.9))) return false;
     vector on_a = s.at.a, on_b = s.at.b;
     if (part.kind == form::line) {
@@ -260,12 +271,22 @@ void sharpen(const convex_pair<Real>& pair, core_distance<Real>& best, Real scal
     best.normal = s.normal, best.gap = gap, best.on_a = on_a, best.on_b = on_b;
     return true;
   };
-  if (attempt() || part.kind != form::line) return;
-  // The nearest point is at an end of the line.
-  part.kind = part.rounding > 0 ? form::circle : form::corner;
-  if (attempt()) return;
-  std::swap(part.from, part.to);
-  (void)attempt();
+  const auto attempt_all = [&] {
+    if (attempt()) return true;
+    if (part.kind != form::line) return false;
+    // The nearest point is at an end of the line.
+    part.kind = part.rounding > 0 ? form::circle : form::corner;
+    if (attempt()) return true;
+    std::swap(part.from, part.to);
+    return attempt();
+  };
+  if (attempt_all()) return;
+  // The corners may be those of a face beside the edge.
+  if (!other.edge_near(of_a ? best.on_a : best.on_b, of_a ? vector(-best.normal) : best.normal,
+                       part.from, part.to))
+    return;
+  part.kind = form::line;
+  (void)attempt_all();
 }
 
 }  // namespace talus::detail

@@ -4,10 +4,12 @@
 // shape (shape/convex_form.hpp). A capsule is a segment with a distance around it, its rounding.
 // Everything in the convex_*.hpp files is a template of the scalar, so that worlds without such
 // shapes do not compile it.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "talus/core/math.hpp"
 #include "talus/core/portable_powers.hpp"
@@ -100,6 +102,41 @@ class convex_view {
     if (kind_ != kind::cylinder) return false;
     const Real near = axes_.col(2).dot(p - centre_) < 0 ? -half_[2] : half_[2];
     from = place({0, 0, near}), to = place({0, 0, -near}), radius = half_[0];
+    return true;
+  }
+
+  /// The edge nearest to the point `p` of those that end at a corner furthest along `direction`;
+  /// first the end that is nearer to the point. False for shapes without such edges.
+  [[nodiscard]] bool edge_near(const vector& p, const vector& direction, vector& from,
+                               vector& to) const {
+    if (kind_ != kind::box && kind_ != kind::mesh) return false;
+    const vector at = local(p), d = axes_.transpose() * direction;
+    Real least = std::numeric_limits<Real>::infinity();
+    const auto look_at = [&](const vector& a, const vector& b) {
+      const vector ab = b - a;
+      const Real t = std::clamp<Real>(ab.dot(at - a) / ab.squaredNorm(), Real(0), Real(1));
+      const Real distance = (a + t * ab - at).squaredNorm();
+      if (!(distance < least)) return;
+      least = distance, from = a, to = b;
+      if (t > Real(0.5)) std::swap(from, to);
+    };
+    const vector tip = local_support(d);
+    if (kind_ == kind::box) {
+      for (int i = 0; i < 3; ++i) {
+        vector other = tip;
+        other[i] = -other[i];
+        look_at(tip, other);
+      }
+    } else {
+      const auto corner = static_cast<std::uint32_t>(mesh_->furthest(d));
+      for (const auto f : mesh_->faces_around(corner))
+        for (const auto e : mesh_->edges_of_face(f)) {
+          const auto& edge = mesh_->edges[e];
+          if (edge.from == corner || edge.to == corner)
+            look_at(mesh_->vertices[edge.from], mesh_->vertices[edge.to]);
+        }
+    }
+    from = place(from), to = place(to);
     return true;
   }
 

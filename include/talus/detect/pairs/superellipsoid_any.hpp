@@ -1,15 +1,13 @@
 #pragma once
 // Superellipsoids with planes, spheres, ellipsoids and each other. (The general routine takes the
-// other shapes. Near a point where a superellipsoid is flat it would find points less precisely.)
+// other shapes.)
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/detect/detail/common_normal.hpp"
 #include "talus/detect/detail/placed_superellipsoid.hpp"
 #include "talus/detect/pairs/convex_convex.hpp"
-#include "talus/shape/box.hpp"
 #include "talus/shape/ellipsoid.hpp"
 #include "talus/shape/plane.hpp"
 #include "talus/shape/sphere.hpp"
@@ -91,98 +89,6 @@ class superellipsoid_contact {
   Real gap_ = 0;
 };
 
-/// The contact of a superellipsoid with a straight edge through `on_edge` along the unit vector
-/// `edge`, near the point `on_a` of its surface, in its frame: Newton's method for the point x of
-/// the surface, with x = on_edge + t edge + d g, where g is the gradient of the level at x and lies
-/// across the edge. Returns whether x, in `on_a`, t and d are as exact as rounding errors allow.
-template <class Real>
-[[nodiscard]] bool find_on_edge(const superellipsoid& s, const vector3<Real>& on_edge,
-                                const vector3<Real>& edge, vector3<Real>& on_a, Real& t, Real& d) {
-  using vector = vector3<Real>;
-  const Real size = s.bounding_radius();
-  vector x = on_a;
-  surface_level l = s.level(x);
-  t = edge.dot(x - on_edge);
-  d = l.gradient.dot(x - on_edge - t * edge) / l.gradient.squaredNorm();
-  Real last = std::numeric_limits<Real>::infinity();
-  for (int k = 0; k < 60; ++k) {
-    const vector g = l.gradient;
-    // The inverse of 1 - d H for the second derivative H, of rank two: by its columns.
-    matrix3<Real> m = matrix3<Real>::Identity();
-    vector bent(0, 0, 0);  // H edge
-    for (int i = 0; i < 2; ++i) {
-      const vector& v = l.curvature.along[i];
-      m -= d * l.curvature.factor[i] * outer(v, v);
-      bent += l.curvature.factor[i] * edge.dot(v) * v;
-    }
-    const vector a = m.col(0), b = m.col(1), c = m.col(2);
-    const Real determinant = a.dot(b.cross(c));
-    if (!(determinant > 0)) return false;
-    const auto solved = [&](const vector& y) {
-      return vector(y.dot(b.cross(c)), y.dot(c.cross(a)), y.dot(a.cross(b))) / determinant;
-    };
-    const vector rest = x - on_edge - t * edge - d * g;
-    const vector along = solved(edge), out = solved(g), back = solved(rest);
-    const Real of_level = l.value - 1 - g.dot(back), of_slope = edge.dot(g) - bent.dot(back);
-    const Real p = g.dot(along), q = g.dot(out), u = bent.dot(along), v = bent.dot(out);
-    const Real minor = p * v - q * u;
-    if (minor == 0) return false;
-    const Real dt = (q * of_slope - v * of_level) / minor,
-               dd = (u * of_level - p * of_slope) / minor;
-    const vector step = dt * along + dd * out - back;
-    const Real length = step.norm();
-    if (!(length < Real(0.1) * size)) return false;
-    x += step, t += dt, d += dd;
-    l = s.level(x);
-    const Real error = std::abs(edge.dot(l.gradient)) / l.gradient.norm();
-    if (length < Real(1e-13) * size || (error < Real(1e-14) && !(length < last))) {
-      on_a = x;
-      return true;
-    }
-    last = length;
-  }
-  on_a = x;
-  return true;
-}
-
-/// A contact with a box, as the general routine finds it. Where an edge of the box touches, the
-/// points of that are to 1e-6 of the size: they are found again.
-template <class Real>
-[[nodiscard]] contact_geometry improved_on_edge(const superellipsoid& a, const pose& pa,
-                                                const box& b, const pose& pb,
-                                                const contact_geometry& c) {
-  using vector = vector3<Real>;
-  const pose turn_a{{0, 0, 0}, pa.orientation}, turn_b{{0, 0, 0}, pb.orientation};
-  const vector normal = turn_b.to_body(c.normal), half = b.half();  // out of the box
-  const vector on_b = pb.to_body(vector(c.point - Real(0.5) * c.gap * c.normal));
-  int free = 0;
-  for (int k = 1; k < 3; ++k)
-    if (std::abs(normal[k]) < std::abs(normal[free])) free = k;
-  vector corner = half;
-  for (int k = 0; k < 3; ++k)
-    corner[k] = k == free ? Real(0) : (normal[k] < 0 ? -half[k] : half[k]);
-  const Real size = a.bounding_radius(), near = Real(1e-4) * size;
-  const vector off = on_b - corner;
-  for (int k = 0; k < 3; ++k)
-    if (k != free && (!(std::abs(off[k]) < near) || !(std::abs(normal[k]) > Real(1e-6)))) return c;
-  if (!(std::abs(normal[free]) < Real(1e-4)) || !(std::abs(on_b[free]) < half[free])) return c;
-  const vector edge = turn_a.to_body(turn_b.to_world(vector::Unit(free)));
-  const vector on_edge = pa.to_body(pb.to_world(corner));
-  const vector first = pa.to_body(vector(c.point + Real(0.5) * c.gap * c.normal));
-  vector x = first;
-  Real t = 0, d = 0;
-  if (!find_on_edge<Real>(a, on_edge, edge, x, t, d)) return c;
-  const vector g = a.level(x).gradient;
-  const vector n = -turn_a.to_world(unit(g));
-  // The same contact, and a point of the edge.
-  if (!(std::abs(t) <= half[free]) || !(n.dot(c.normal) > Real(1 - 1e-4)) ||
-      !((x - first).norm() < Real(0.1) * size))
-    return c;
-  const Real gap = -d * g.norm();
-  if (!(std::abs(gap - c.gap) < Real(1e-5) * size)) return c;
-  return {n, pa.to_world(x) - Real(0.5) * gap * n, gap, c.feature};
-}
-
 template <class Real, class A, class B, class Sink>
 void collide_superellipsoids(const A& a, const pose& pa, const B& b, const pose& pb, Real margin,
                              Sink&& sink) {
@@ -238,16 +144,6 @@ template <class Sink, class Real = real>
 void collide(const superellipsoid& a, const pose& pa, const sphere& b, const pose& pb, real margin,
              Sink&& sink) {
   detail::collide_superellipsoids<Real>(a, pa, b, pb, margin, sink);
-}
-
-/// Calls `sink(contact_geometry)` if the gap is at most `margin`.
-template <class Sink, class Real = real>
-void collide(const box& a, const pose& pa, const superellipsoid& b, const pose& pb, real margin,
-             Sink&& sink) {
-  collide_convex(a, pa, b, pb, margin, [&](const contact_geometry& c) {
-    const contact_geometry best = detail::improved_on_edge<Real>(b, pb, a, pa, c.swapped());
-    if (best.gap <= margin) sink(best.swapped());
-  });
 }
 
 }  // namespace talus
