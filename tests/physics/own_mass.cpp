@@ -452,7 +452,8 @@ TEST_CASE("impossible masses are refused with their numbers") {
          {"a .centre of its own", "union_of<sphere>"});
     const ball u{s};
     says(body{.shape = u, .position = at, .inertia = {1, 0, 1}}, {"(1, 0, 1)", "above 0"});
-    says(body{.shape = u, .position = at, .inertia = {1, -2, 1}}, {"principal moments", "-2"});
+    says(body{.shape = u, .position = at, .inertia = {1, -2, 1}},
+         {"principal moments", "-2", "above 0"});
     says(
         body{.shape = u, .position = at, .inertia = {1, 2, 3.5}},
         {"the inertia of a union_of at (1, 2, 3) has the principal moments (1, 2, 3.5), and 3.5 is "

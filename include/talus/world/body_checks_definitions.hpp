@@ -41,13 +41,14 @@ TALUS_INLINE void require_inertia(const mat3& tensor, const char* shape, const v
             "and {}, which must be equal",
             shape, position, j, i, tensor(j, i), tensor(i, j));
   const vec3 moments = principal_inertia<real>({0, 0, 0}, tensor).inertia;
-  for (int i = 0; i < 3; ++i) {
-    const real one = moments[i], others = moments[(i + 1) % 3] + moments[(i + 2) % 3];
-    if (!(one > 0) || !std::isnormal(one) || !std::isnormal(1 / one))
+  for (int i = 0; i < 3; ++i)
+    if (const real one = moments[i]; !(one > 0) || !std::isnormal(one) || !std::isnormal(1 / one))
       fail<std::invalid_argument>(
           "the inertia of a {} at {} has the principal moments {}: each must be a number above 0, "
           "so give .inertia about the centre of mass, or leave it out for that of the shape",
           shape, position, moments);
+  for (int i = 0; i < 3; ++i) {
+    const real one = moments[i], others = moments[(i + 1) % 3] + moments[(i + 2) % 3];
     if (!(one <= others * (1 + real(1e-9))))
       fail<std::invalid_argument>(
           "the inertia of a {} at {} has the principal moments {}, and {} is more than the sum {} "
