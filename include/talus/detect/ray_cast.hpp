@@ -52,7 +52,7 @@ namespace talus::detail {
   return n;
 }
 
-/// Of a shape whose surface is a level of a function.
+/// The outer normal at p of a shape whose surface is a level of a function.
 template <class Shape>
 [[nodiscard]] vec3 normal_where(const Shape& s, const vec3& p, const vec3&) requires requires {
   s.level(p);

@@ -180,13 +180,18 @@ template <class Real>
     if (k == size) all[size++] = {p, 0};
     all[k].weight += corners.weight(i);
   }
-  std::sort(all, all + size,
-            [](const weighed& x, const weighed& y) { return x.weight > y.weight; });
+  const weighed* first = nullptr;
+  const weighed* second = nullptr;
+  for (int k = 0; k < size; ++k)
+    if (first == nullptr || all[k].weight > first->weight)
+      second = first, first = all + k;
+    else if (second == nullptr || all[k].weight > second->weight)
+      second = all + k;
   held_part<Real> part;
   using form = typename held_part<Real>::form;
-  part.kind = size > 1 ? form::line : size > 0 ? form::corner : form::none;
-  if (size > 0) part.from = all[0].at;
-  if (size > 1) part.to = all[1].at;
+  part.kind = second != nullptr ? form::line : first != nullptr ? form::corner : form::none;
+  if (first != nullptr) part.from = first->at;
+  if (second != nullptr) part.to = second->at;
   return part;
 }
 
