@@ -82,6 +82,8 @@ struct kept_contacts {
   std::uint64_t materials = 0;                                   ///< revision of the table
   std::uint64_t search = 0;                                      ///< see candidate_pairs::searches
   bool rebounds = false, slides = false;  ///< conditions depend on the velocities
+  int failures = 0;  ///< steps in a row in which pairs of contacts by colours had changed
+  int pause = 0;     ///< steps in which these are not kept
 };
 
 /// One list for each pair of shapes, and the positions of the bodies of each shape at the search.

@@ -53,8 +53,7 @@ class found_spheres {
   void make_all(plain_vector<close_pair>& pairs) {
     using state = world_state<Scenario>;
     if constexpr (state::may_use_colours)
-      if (s_.on_one_rank() && s_.by_colours())
-        return contact_keeper<Scenario, true>(s_).make_all(pairs);
+      if (s_.on_one_rank() && s_.by_colours()) return make_by_colours(pairs);
     if constexpr (!state::may_use_colours || state::two_solvers)
       if (s_.on_one_rank()) return contact_keeper<Scenario, false>(s_).make_all(pairs);
     if constexpr (!world_state<Scenario>::link_type::alone)
@@ -63,6 +62,16 @@ class found_spheres {
   }
 
  private:
+  /// Colours follow from all pairs: where these change in most steps, to keep contacts is in vain.
+  void make_by_colours(plain_vector<close_pair>& pairs) {
+    auto& kept = s_.found.kept;
+    if (kept.pause == 0) return contact_keeper<Scenario, true>(s_).make_all(pairs);
+    if (--kept.pause == 0) kept.search = ~std::uint64_t{0};
+    std::get<list_of_spheres<Scenario>>(s_.contacts).clear();
+    each_found_pair_of<sphere, sphere, partner::moving>(
+        s_, pairs, contact_maker<Scenario, sphere, sphere, partner::moving>(s_));
+  }
+
   world_state<Scenario>& s_;
 };
 

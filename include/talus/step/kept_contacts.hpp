@@ -92,7 +92,8 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
                        s_.history.unchanged();
     const bool moved_before = note_places();
     if (kept_.rebounds || kept_.slides) note_motion();
-    if (known && moved_before && still_apart() && renew(true)) return;
+    if (known && moved_before && still_apart() && renew(true)) return (void)(kept_.failures = 0);
+    if (Coloured && known && ++kept_.failures > 1) kept_.pause = std::min(kept_.failures, 8);
     kept_.search = s_.found.searches, kept_.materials = s_.materials.revision();
     list_.clear();
     if (spheres_ == nullptr) note_motion();
