@@ -72,19 +72,23 @@ struct load_about_point {
 template <class Scenario, class Shape>
 [[nodiscard]] vec3 contact_force(world<Scenario>& w,
                                  handle<Shape> h) requires(detail::takes_shape<Scenario, Shape>) {
-  w.require_all_ranks("contact_force");
-  auto& s = detail::state_of(w);
-  if constexpr (Scenario::contact_law::soft) {
-    detail::vector_sum sum;
-    detail::observe_forces(
-        s, [&](const detail::contact_key& key, const vec3& force, bool on_a, bool on_b) {
-          const int sign = (on_a && key.a == h.id) - (on_b && key.b == h.id);
-          if (sign != 0) sum += vec3(sign * force);
-        });
-    detail::sum_exactly(w.link(), sum);
-    return sum.value();
+  if constexpr (detail::require_shape<Scenario, Shape>()) {
+    w.require_all_ranks("contact_force");
+    auto& s = detail::state_of(w);
+    if constexpr (Scenario::contact_law::soft) {
+      detail::vector_sum sum;
+      detail::observe_forces(
+          s, [&](const detail::contact_key& key, const vec3& force, bool on_a, bool on_b) {
+            const int sign = (on_a && key.a == h.id) - (on_b && key.b == h.id);
+            if (sign != 0) sum += vec3(sign * force);
+          });
+      detail::sum_exactly(w.link(), sum);
+      return sum.value();
+    } else {
+      return detail::force_of_impulses(w, h);
+    }
   } else {
-    return detail::force_of_impulses(w, h);
+    return (void)w, (void)h, vec3(0, 0, 0);
   }
 }
 
@@ -100,27 +104,31 @@ vec3 contact_force(world<Scenario>&,
 template <class Scenario, class Shape>
 [[nodiscard]] vec3 contact_torque(world<Scenario>& w, handle<Shape> h, const vec3& about) requires(
     detail::takes_shape<Scenario, Shape>) {
-  w.require_all_ranks("contact_torque");
-  auto& s = detail::state_of(w);
-  const auto found = w.find(h);
-  detail::load_about_point load{h.id, found && found->is_global(), about};
-  if constexpr (Scenario::contact_law::soft) {
-    detail::observe_forces(
-        s, [&](const detail::contact_key& key, const vec3& point, const vec3& centre_a,
-               const vec3& centre_b, const detail::pair_force& f, bool counts) {
-          if (counts) load.add(key.a, key.b, point, centre_a, centre_b, f.force, f.moment);
-        });
+  if constexpr (detail::require_shape<Scenario, Shape>()) {
+    w.require_all_ranks("contact_torque");
+    auto& s = detail::state_of(w);
+    const auto found = w.find(h);
+    detail::load_about_point load{h.id, found && found->is_global(), about};
+    if constexpr (Scenario::contact_law::soft) {
+      detail::observe_forces(
+          s, [&](const detail::contact_key& key, const vec3& point, const vec3& centre_a,
+                 const vec3& centre_b, const detail::pair_force& f, bool counts) {
+            if (counts) load.add(key.a, key.b, point, centre_a, centre_b, f.force, f.moment);
+          });
+    } else {
+      detail::each_loaded_contact(s, [&](const loaded_contact& c, bool counts) {
+        if (counts) load.add(c.a, c.b, c.point, c.centre_a, c.centre_b, c.force, {0, 0, 0});
+      });
+    }
+    // The owner has the position of the centre, for any image of it on other ranks.
+    const bool owner = found && !load.global && !found->is_remote();
+    detail::vector_sum arm;
+    if (owner) arm += vec3(found->position() - about);
+    detail::sum_exactly(w.link(), load.force, load.torque, arm);
+    return load.torque.value() + arm.value().cross(load.force.value());
   } else {
-    detail::each_loaded_contact(s, [&](const loaded_contact& c, bool counts) {
-      if (counts) load.add(c.a, c.b, c.point, c.centre_a, c.centre_b, c.force, {0, 0, 0});
-    });
+    return (void)w, (void)h, about;
   }
-  // The owner has the position of the centre, for any image of it on other ranks.
-  const bool owner = found && !load.global && !found->is_remote();
-  detail::vector_sum arm;
-  if (owner) arm += vec3(found->position() - about);
-  detail::sum_exactly(w.link(), load.force, load.torque, arm);
-  return load.torque.value() + arm.value().cross(load.force.value());
 }
 /// Refuses a shape that the scenario does not name.
 template <class Scenario, class Shape, detail::sentence Says = detail::missing_shape<Shape>()>

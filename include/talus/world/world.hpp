@@ -492,18 +492,26 @@ class world {
   template <class Shape>
   [[nodiscard]] std::optional<view<Shape>> find(handle<Shape> h) requires(
       detail::takes_shape<Scenario, Shape>) {
-    note_reading("world.find");
-    return find_here(h);
+    if constexpr (detail::require_shape<Scenario, Shape>()) {
+      note_reading("world.find");
+      return find_here(h);
+    } else {
+      return (void)h, std::nullopt;
+    }
   }
   /// The body if this rank knows it; throws invalid_argument if the body is unknown.
   template <class Shape>
   [[nodiscard]] view<Shape> operator[](handle<Shape> h) requires(
       detail::takes_shape<Scenario, Shape>) {
-    note_reading("world[...]");
-    if (auto found = find_here(h)) return *found;
-    detail::fail<std::invalid_argument>(
-        "rank {} does not know the {} {}: it was destroyed, or lives on another rank (use find)",
-        rank(), Shape::name, h.id);
+    if constexpr (detail::require_shape<Scenario, Shape>()) {
+      note_reading("world[...]");
+      if (auto found = find_here(h)) return *found;
+      detail::fail<std::invalid_argument>(
+          "rank {} does not know the {} {}: it was destroyed, or lives on another rank (use find)",
+          rank(), Shape::name, h.id);
+    } else {
+      detail::fail<std::invalid_argument>("{}", h.id);
+    }
   }
 
   /// Refuses a shape that the scenario does not name.

@@ -150,35 +150,39 @@ std::optional<body_view<Scenario, Shape>> world<Scenario>::find_here(handle<Shap
 template <class Scenario>
 template <class Shape>
 void world<Scenario>::destroy(handle<Shape> h) requires(detail::takes_shape<Scenario, Shape>) {
-  if constexpr (keeps)
-    if (keeper_.skipped > 0) return;  // the file has the bodies that are left
-  const auto found = (*this)[h];
-  auto& bodies = state_.template of<Shape>();
-  if (found.is_remote())
-    detail::fail<std::logic_error>(
-        "the {} {} was destroyed on rank {}, which holds a shadow copy only: destroy it where "
-        "is_remote() is false",
-        Shape::name, h.id, rank());
-  if constexpr (detail::world_state<Scenario>::has_joints)
-    detail::refuse_jointed(state_, Shape::name, h.id);
-  if (found.is_global()) {
-    if (sections_.exclusive)
+  if constexpr (detail::require_shape<Scenario, Shape>()) {
+    if constexpr (keeps)
+      if (keeper_.skipped > 0) return;  // the file has the bodies that are left
+    const auto found = (*this)[h];
+    auto& bodies = state_.template of<Shape>();
+    if (found.is_remote())
       detail::fail<std::logic_error>(
-          "the global {} {} was destroyed inside an exclusive section on rank {}, so the ranks "
-          "would differ: destroy it on all ranks",
+          "the {} {} was destroyed on rank {}, which holds a shadow copy only: destroy it where "
+          "is_remote() is false",
           Shape::name, h.id, rank());
-    const auto at = std::find(bodies.global.id.begin(), bodies.global.id.end(), h.id);
-    const auto i = at - bodies.global.id.begin();
-    bodies.global.each_column([&](auto& c) { c.erase(c.begin() + i); });
-    bodies.globals_changed = true;
+    if constexpr (detail::world_state<Scenario>::has_joints)
+      detail::refuse_jointed(state_, Shape::name, h.id);
+    if (found.is_global()) {
+      if (sections_.exclusive)
+        detail::fail<std::logic_error>(
+            "the global {} {} was destroyed inside an exclusive section on rank {}, so the ranks "
+            "would differ: destroy it on all ranks",
+            Shape::name, h.id, rank());
+      const auto at = std::find(bodies.global.id.begin(), bodies.global.id.end(), h.id);
+      const auto i = at - bodies.global.id.begin();
+      bodies.global.each_column([&](auto& c) { c.erase(c.begin() + i); });
+      bodies.globals_changed = true;
+      note_removal();
+      return;
+    }
+    const auto at = std::find(bodies.movable.id.begin(), bodies.movable.id.end(), h.id);
+    bodies.movable.remove_local(static_cast<std::size_t>(at - bodies.movable.id.begin()));
+    note_destroyed(h.id);
+    state_.changed = true;
     note_removal();
-    return;
+  } else {
+    (void)h;
   }
-  const auto at = std::find(bodies.movable.id.begin(), bodies.movable.id.end(), h.id);
-  bodies.movable.remove_local(static_cast<std::size_t>(at - bodies.movable.id.begin()));
-  note_destroyed(h.id);
-  state_.changed = true;
-  note_removal();
 }
 
 template <class Scenario>
