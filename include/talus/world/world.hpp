@@ -510,7 +510,7 @@ class world {
           "rank {} does not know the {} {}: it was destroyed, or lives on another rank (use find)",
           rank(), Shape::name, h.id);
     } else {
-      detail::fail<std::invalid_argument>("{}", h.id);
+      detail::fail<std::logic_error>("this scenario has no bodies of the shape of body {}", h.id);
     }
   }
 
