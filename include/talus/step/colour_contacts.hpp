@@ -60,8 +60,7 @@ void use_single_images(world_state<Scenario>& s) {
 template <class Scenario>
 class contact_colours {
   using state = world_state<Scenario>;
-  static constexpr bool may_keep =
-      keeps_contacts_in<Scenario, std::tuple_element_t<0, decltype(state::contacts)>>();
+  static constexpr bool may_keep = keeps_first_contacts<Scenario>();
 
  public:
   explicit contact_colours(state& s) : s_(s), all_(s.colours.all), ends_(s.colours.ends) {}

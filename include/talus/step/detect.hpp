@@ -64,9 +64,11 @@ class found_spheres {
  private:
   /// Colours follow from all pairs: where these change in most steps, to keep contacts is in vain.
   void make_by_colours(plain_vector<close_pair>& pairs) {
-    auto& kept = s_.found.kept;
-    if (kept.pause == 0) return contact_keeper<Scenario, true>(s_).make_all(pairs);
-    if (--kept.pause == 0) kept.search = ~std::uint64_t{0};
+    [[maybe_unused]] auto& kept = s_.found.kept;
+    if constexpr (keeps_first_contacts<Scenario>()) {
+      if (kept.pause == 0) return contact_keeper<Scenario, true>(s_).make_all(pairs);
+      if (--kept.pause == 0) kept.search = ~std::uint64_t{0};
+    }
     std::get<list_of_spheres<Scenario>>(s_.contacts).clear();
     each_found_pair_of<sphere, sphere, partner::moving>(
         s_, pairs, contact_maker<Scenario, sphere, sphere, partner::moving>(s_));

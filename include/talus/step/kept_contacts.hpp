@@ -8,6 +8,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 #include <type_traits>
 
 #include "talus/core/plain_vector.hpp"
@@ -61,6 +62,14 @@ template <class Scenario, class List>
     if constexpr (keeps_contacts_of<Scenario, sphere, sphere, partner::moving>())
       return std::is_same_v<List, list_of_spheres<Scenario>>;
   return false;
+}
+
+/// Whether the contacts that are kept are in the first list. Contacts of other lists do not change
+/// their places in the history and among the colours.
+template <class Scenario>
+[[nodiscard]] constexpr bool keeps_first_contacts() {
+  return keeps_contacts_in<Scenario,
+                           std::tuple_element_t<0, decltype(world_state<Scenario>::contacts)>>();
 }
 
 /// For runs on one rank. `Coloured`: the contacts are solved colour by colour.

@@ -154,8 +154,7 @@ template <class Scenario>
 void store_impulses(world_state<Scenario>& s) {
   std::size_t count = 0, kept = 0;
   s.each_contact_list([&](const auto& list) { count += list.size(); });
-  constexpr bool may_keep =
-      keeps_contacts_in<Scenario, std::tuple_element_t<0, decltype(s.contacts)>>();
+  constexpr bool may_keep = keeps_first_contacts<Scenario>();
   if constexpr (may_keep)
     if (s.on_one_rank())
       if (auto& first = std::get<0>(s.contacts); first.renewed() && s.history.unchanged())
