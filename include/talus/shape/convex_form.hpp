@@ -46,13 +46,17 @@ struct smooth_form {
   real sharpest = 0;   ///< smallest radius of curvature, about
   /// Its surface, or null: the general search needs it for exact points where the shape is flat.
   surface_level (*level)(const void*, const vec3& point) = nullptr;
-  [[nodiscard]] int corners() const { return 1; }
+  /// Points furthest along directions that are a thousandth apart are corners of a flat side if
+  /// they are further apart than this; 0 for a shape that is round everywhere.
+  real flat = 0;
+  [[nodiscard]] int corners() const { return flat > 0 ? 16 : 1; }
 };
 
 namespace detail {
 
 /// The form of a convex shape: its own, or a smooth one. The shape outlives it. A smooth shape that
-/// does not give its smallest radius of curvature has that of an ellipsoid of its size.
+/// does not give its smallest radius of curvature has that of an ellipsoid of its size, and may
+/// have flat sides unless it says `flat_sides = false`.
 template <class Shape>
 [[nodiscard]] auto form_of(const Shape& s) {
   if constexpr (requires { s.form(); }) {
@@ -69,6 +73,11 @@ template <class Shape>
       f.sharpest = s.smallest_curvature_radius();
     else
       f.sharpest = f.thickness * (f.thickness / s.bounding_radius());
+    constexpr bool round = requires { s.bend(vec3{}); }
+    || requires { s.level(vec3{}); }
+    || requires { s.smallest_curvature_radius(); }
+    || requires { requires !Shape::flat_sides; };
+    if constexpr (!round) f.flat = real(0.1) * s.bounding_radius();
     if constexpr (requires { s.level(vec3{}); })
       f.level = [](const void* shape, const vec3& point) -> surface_level {
         return static_cast<const Shape*>(shape)->level(point);

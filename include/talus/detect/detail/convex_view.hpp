@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -227,8 +228,10 @@ class convex_view {
         }
         return mesh_face(best, out);
       }
-      case kind::point:
       case kind::smooth:
+        if (smooth_.flat > 0 && flat_side(d, out)) return;
+        [[fallthrough]];
+      case kind::point:
         out.size = 0;
         out.face = 1;
         out.add(place(local_support(d)), 1, 1);
@@ -337,6 +340,64 @@ class convex_view {
     for (std::size_t k = 0; k < corners.size(); ++k)
       out.add(place(mesh_->vertices[corners[k]]), corner_code(corners[k]), edge_code(edges[k]));
   }
+
+  /// The outline of a side that is flat and faces `d`, or a straight line of the surface, by the
+  /// points furthest along up to 16 directions around it; false if there is none.
+  [[nodiscard]] bool flat_side(const vector& d, outline<Real>& out) const {
+    // The axis most across it; no two compare alike along diagonals of the frame.
+    const vector weighed(std::abs(d[0]), Real(1.1) * std::abs(d[1]), Real(1.21) * std::abs(d[2]));
+    int axis = 0;
+    for (int i = 1; i < 3; ++i)
+      if (weighed[i] < weighed[axis]) axis = i;
+    const vector n = d.normalized();
+    const vector v = n.cross(vector(vector::Unit(axis))).normalized(), u = v.cross(n);
+    constexpr Real cos[5] = {1, Real(0.92387953251128674), Real(0.70710678118654752),
+                             Real(0.38268343236508977), 0};
+    const auto cosine = [&](int k) {
+      k &= 15;
+      return k <= 4 ? cos[k] : k <= 12 ? -cos[k <= 8 ? 8 - k : k - 8] : cos[16 - k];
+    };
+    const auto furthest = [&](int k) {
+      return local_support(n + Real(1e-3) * vector(cosine(k) * u + cosine(k + 12) * v));
+    };
+    const Real apart = smooth_.flat;
+    if (!((furthest(0) - furthest(8)).norm() > apart) &&
+        !((furthest(4) - furthest(12)).norm() > apart))
+      return false;
+    struct corner {
+      vector at;
+      Real x, y;
+      int number;
+    };
+    std::array<corner, 16> all;
+    int size = 0;
+    // Points of a side that leans come twice, on the way there and back.
+    const auto add = [&](int k) {
+      const vector p = furthest(k);
+      for (int i = 0; i < size; ++i)
+        if ((p - all[index(i)].at).norm() < Real(0.1) * apart) return;
+      all[index(size++)] = {p, u.dot(p), v.dot(p), k};
+    };
+    for (int k = 0; k < 16; ++k) add(k);
+    Real x = 0, y = 0;
+    for (int i = 0; i < size; ++i) x += all[index(i)].x / size, y += all[index(i)].y / size;
+    const auto turn = [&](const corner& c) {
+      const Real a = c.x - x, b = c.y - y, sum = std::abs(a) + std::abs(b);
+      return b < 0 ? a / sum - 2 : -a / sum;  // rises with the angle, without functions of it
+    };
+    std::sort(all.begin(), all.begin() + size, [&](const corner& a, const corner& b) {
+      const Real of_a = turn(a), of_b = turn(b);
+      return of_a < of_b || (of_a == of_b && a.number < b.number);
+    });
+    out.size = 0;
+    out.face = 1;
+    for (int i = 0; i < size; ++i) {
+      const auto number = static_cast<part_code>(all[index(i)].number);
+      out.add(place(all[index(i)].at), 2 + number, 32 + number);
+    }
+    return true;
+  }
+  [[nodiscard]] static std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
   /// Points of the edge circle of a flat face of a cylinder. They begin at its furthest point along
   /// `d`, or, if the face is level within 2e-3, at a fixed point, so that a standing cylinder keeps
