@@ -140,6 +140,42 @@ TEST_CASE("bodies rest on flat sides that their support functions alone have") {
       });
 }
 
+TEST_CASE("stacks stand whose flat sides their support functions alone have") {
+  for (const int ranks : {1, 2})
+    for (const real lean : {0., 0.02})
+      threads::launch({.ranks = ranks}, [&](auto& link) {
+        CAPTURE(ranks);
+        CAPTURE(lean);
+        world<scene> w(link);
+        w.decompose({.cells = {ranks, 1}, .lower = {-9, -9}, .upper = {9, 9}});
+        w.gravity({0, 0, -9.81});
+        const auto m = w.material({.density = 2, .restitution = 0, .friction = 0.5});
+        w.global([&](auto& s) { s.add(plane{}, m); });
+        const quat turn = rotation({1, 0.3, 0}, lean);
+        const quat face = turn * rotation({1, -1, 0}, std::acos(1 / std::sqrt(real(3))));
+        for (int k = 0; k < 3; ++k)  // over the border between the ranks
+          w.add_if_local(body{.shape = tablet{},
+                              .position = {k % 2 ? 0.2 : -0.2, 0, 0.5 + k * (1 + lean)},
+                              .material = m,
+                              .orientation = turn});
+        w.add_if_local(
+            body{.shape = tablet{}, .position = {4, 0, 0.5}, .material = m, .orientation = turn});
+        w.add_if_local(body{.shape = smoothed{},
+                            .position = {4, 0, 1.31 + 2 * lean},
+                            .material = m,
+                            .orientation = face});
+        for (int k = 0; k < 1200; ++k) w.step(1. / 240);
+        std::vector<vec3> before;
+        w.for_each_local([&](const auto& b) { before.push_back(b.position()); });
+        for (int k = 0; k < 1200; ++k) w.step(1. / 240);
+        std::size_t n = 0;
+        w.for_each_local([&](const auto& b) {
+          CAPTURE(b.position());
+          CHECK((b.position() - before[n++]).norm() < 1e-8);
+        });
+      });
+}
+
 TEST_CASE("bodies with flat sides move alike on any ranks") {
   using alike = scenario<bodies<tablet, smoothed, box, plane>, solver<reproducible>,
                          decomposition<grid<dynamic, dynamic>>, transport<threads>>;

@@ -80,7 +80,7 @@ class convex_contact {
     }
     if (a_.smooth() || b_.smooth()) sharpen<Real>(pair, nearest, size());
     const Real gap = nearest.gap - rounding_;
-    if (gap > margin_ || by_lines(nearest, gap)) return;
+    if (gap > margin_ || by_lines(nearest, gap) || by_flat_sides(nearest.normal, gap)) return;
     single(nearest.normal, nearest.on_a, nearest.on_b, gap);
   }
 
@@ -100,6 +100,7 @@ class convex_contact {
     if (s.state == climbed::beyond) return true;
     const Real unique = Real(0.5) * (a_.sharpest() + b_.sharpest());
     if (s.state == climbed::lost || s.gap < -std::min(Real(0.1) * smallest_, unique)) return false;
+    if (by_flat_sides(s.normal, s.gap - rounding_)) return true;
     single(s.normal, s.at.a, s.at.b, s.gap - rounding_);
     return true;
   }
@@ -149,13 +150,41 @@ class convex_contact {
   /// The manifold over that face, if it holds points with a gap near `wanted`, the smallest gap.
   bool by_face(const face_axis& face, bool by_b, Real wanted) {
     if (face.face < 0) return false;
-    const convex_view<Real>&one = by_b ? b_ : a_, &other = by_b ? a_ : b_;
-    const vector up = one.normal(face.face);
-    outline<Real> reference, incident;
+    const convex_view<Real>& one = by_b ? b_ : a_;
+    outline<Real> reference;
     one.face_outline(face.face, reference);
+    return by_outline(reference, one.normal(face.face), by_b, wanted);
+  }
+  /// The same over a flat side of a shape that is known by its support function alone, if that side
+  /// faces the other shape along `normal`.
+  bool by_flat_sides(const vector& normal, Real wanted) {
+    for (const bool by_b : {false, true}) {
+      const convex_view<Real>& one = by_b ? b_ : a_;
+      const vector up = by_b ? normal : vector(-normal);
+      outline<Real> side;
+      if (!one.may_have_flat_sides()) continue;
+      one.outline_along(up, most_corners, side);
+      if (side.size < 3) continue;
+      const vector across = normal_of(side);
+      if (across.dot(up) > 1 - Real(2e-6) && by_outline(side, across, by_b, wanted)) return true;
+    }
+    return false;
+  }
+  /// By the sum of the areas of its triangles.
+  [[nodiscard]] static vector normal_of(const outline<Real>& side) {
+    vector sum(0, 0, 0);
+    const vector& first = side.corners[0].at;
+    for (std::size_t k = 2; k < static_cast<std::size_t>(side.size); ++k)
+      sum += (side.corners[k - 1].at - first).cross(side.corners[k].at - first);
+    return sum.normalized();
+  }
+  bool by_outline(const outline<Real>& reference, const vector& up, bool by_b, Real wanted) {
+    const convex_view<Real>& other = by_b ? a_ : b_;
+    outline<Real> incident;
     other.outline_along(-up, most_corners, incident);
-    convex_patch<Real> patch(reference, up, incident,
-                             other.smooth() ? Real(0) : Real(1e-3) * smallest_);
+    convex_patch<Real> patch(
+        reference, up, incident,
+        other.smooth() && incident.size == 1 ? Real(0) : Real(1e-3) * smallest_);
     const bool apart = wanted > Real(1e-6) * smallest_;
     const Real enough =
         wanted + (apart ? Real(0.05) * wanted + Real(1e-4) * smallest_ : tolerance(wanted));

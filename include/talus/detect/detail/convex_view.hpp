@@ -82,6 +82,8 @@ class convex_view {
   [[nodiscard]] Real smallest() const { return smallest_; }
   [[nodiscard]] bool curved() const { return kind_ == kind::cylinder || smooth(); }
   [[nodiscard]] bool smooth() const { return kind_ == kind::smooth; }
+  /// Whether it is known by its support function alone, which may have flat sides.
+  [[nodiscard]] bool may_have_flat_sides() const { return smooth() && smooth_.flat > 0; }
   /// Whether the core has neither faces nor edges.
   [[nodiscard]] bool featureless() const { return smooth() || kind_ == kind::point; }
 
@@ -344,12 +346,11 @@ class convex_view {
   /// The outline of a side that is flat and faces `d`, or a straight line of the surface, by the
   /// points furthest along up to 16 directions around it; false if there is none.
   [[nodiscard]] bool flat_side(const vector& d, outline<Real>& out) const {
-    // The axis most across it; no two compare alike along diagonals of the frame.
-    const vector weighed(std::abs(d[0]), Real(1.1) * std::abs(d[1]), Real(1.21) * std::abs(d[2]));
-    int axis = 0;
-    for (int i = 1; i < 3; ++i)
-      if (weighed[i] < weighed[axis]) axis = i;
     const vector n = d.normalized();
+    // The first axis across it. (A small turn changes the choice at 0.65 alone, where normals of
+    // regular shapes have no component.)
+    int axis = 0;
+    while (std::abs(n[axis]) > Real(0.65)) ++axis;
     const vector v = n.cross(vector(vector::Unit(axis))).normalized(), u = v.cross(n);
     constexpr Real cos[5] = {1, Real(0.92387953251128674), Real(0.70710678118654752),
                              Real(0.38268343236508977), 0};
