@@ -1,6 +1,7 @@
 #pragma once
 // Prescribed motion of bodies: motions as functions of time, for world.drive. A motion is any
-// function of the time of the world that returns one of the three values below.
+// function of the time of the world that returns one of the three values below. With the alias
+// behind each type clang, too, shows the namespace that lists its fields.
 #include <cmath>
 
 #include "talus/core/math.hpp"
@@ -20,6 +21,7 @@ struct rigid_displacement {
 };
 
 }  // namespace a_rigid_displacement_has_shift_turn_and_about
+using rigid_displacement = a_rigid_displacement_has_shift_turn_and_about::rigid_displacement;
 
 inline namespace a_rigid_velocity_has_velocity_angular_velocity_and_about {
 
@@ -33,6 +35,7 @@ struct rigid_velocity {
 };
 
 }  // namespace a_rigid_velocity_has_velocity_angular_velocity_and_about
+using rigid_velocity = a_rigid_velocity_has_velocity_angular_velocity_and_about::rigid_velocity;
 
 inline namespace a_surface_velocity_has_velocity_angular_velocity_and_about {
 
@@ -45,6 +48,8 @@ struct surface_velocity {
 };
 
 }  // namespace a_surface_velocity_has_velocity_angular_velocity_and_about
+using surface_velocity =
+    a_surface_velocity_has_velocity_angular_velocity_and_about::surface_velocity;
 
 // The motions below count the time from the call of world.drive.
 
@@ -65,6 +70,7 @@ struct oscillation {
 };
 
 }  // namespace an_oscillation_has_amplitude_frequency_and_phase
+using oscillation = an_oscillation_has_amplitude_frequency_and_phase::oscillation;
 
 inline namespace a_turning_has_about_axis_and_speed {
 
@@ -82,6 +88,7 @@ struct turning {
 };
 
 }  // namespace a_turning_has_about_axis_and_speed
+using turning = a_turning_has_about_axis_and_speed::turning;
 
 inline namespace a_gliding_has_velocity {
 
@@ -94,6 +101,7 @@ struct gliding {
 };
 
 }  // namespace a_gliding_has_velocity
+using gliding = a_gliding_has_velocity::gliding;
 
 inline namespace a_belt_has_velocity {
 
@@ -106,5 +114,6 @@ struct belt {
 };
 
 }  // namespace a_belt_has_velocity
+using belt = a_belt_has_velocity::belt;
 
 }  // namespace talus
