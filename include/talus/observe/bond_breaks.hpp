@@ -113,7 +113,7 @@ template <class World>
 /// Throws runtime_error alike on all ranks if the file cannot be written, or is not such a table.
 template <class Scenario>
 void record_breaks(world<Scenario>& w, const std::string& file, every often) {
-  detail::require_bond_law<Scenario>();
+  (void)detail::require_bond_law<Scenario>();
   w.require_all_ranks("record_breaks", false);
   using pairs = std::set<std::pair<std::uint64_t, std::uint64_t>>;
   const auto seen = std::make_shared<pairs>();

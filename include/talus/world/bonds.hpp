@@ -38,10 +38,13 @@ struct bond_count {
 
 namespace detail {
 
+/// False after a refusal, so that `if constexpr (require_bond_law<Scenario>())` suppresses further
+/// errors.
 template <class Scenario>
-constexpr void require_bond_law() {
+consteval bool require_bond_law() {
   static_assert(has_bonds<Scenario>,
                 "bonds need the law parallel_bond: add it to soft_contact<...> of the scenario");
+  return has_bonds<Scenario>;
 }
 
 /// A random factor of the strength of a bond, the same on any rank, from a Weibull
@@ -146,9 +149,12 @@ void require_bond_distance(world<Scenario>& w, real distance) {
 /// beyond the range of the law.
 template <class Scenario>
 std::uint64_t bond_within(world<Scenario>& w, real distance) {
-  detail::require_bond_law<Scenario>();
-  detail::require_bond_distance(w, distance);
-  return detail::make_bonds(w, [&](system_id, system_id, real gap) { return gap <= distance; });
+  if constexpr (detail::require_bond_law<Scenario>()) {
+    detail::require_bond_distance(w, distance);
+    return detail::make_bonds(w, [&](system_id, system_id, real gap) { return gap <= distance; });
+  } else {
+    return 0;
+  }
 }
 
 /// Collective: bonds the pairs of a list, which is alike on all ranks. Returns the number of new
@@ -157,45 +163,49 @@ std::uint64_t bond_within(world<Scenario>& w, real distance) {
 template <class Scenario>
 std::uint64_t bond_pairs(world<Scenario>& w,
                          std::span<const std::pair<system_id, system_id>> list) {
-  detail::require_bond_law<Scenario>();
-  std::set<std::pair<std::uint64_t, std::uint64_t>> wanted;
-  for (const auto& [a, b] : list) wanted.insert(std::minmax({value_of(a), value_of(b)}));
-  const std::uint64_t made = detail::make_bonds(w, [&](system_id a, system_id b, real) {
-    return wanted.count(std::minmax({value_of(a), value_of(b)})) > 0;
-  });
-  if (made != list.size())
-    detail::fail<std::invalid_argument>(
-        "bond_pairs bonded {} of {} pairs: list each pair once, of bodies without a bond whose "
-        "surfaces are within the range of parallel_bond and whose materials have its parameters",
-        made, list.size());
-  return made;
+  if constexpr (detail::require_bond_law<Scenario>()) {
+    std::set<std::pair<std::uint64_t, std::uint64_t>> wanted;
+    for (const auto& [a, b] : list) wanted.insert(std::minmax({value_of(a), value_of(b)}));
+    const std::uint64_t made = detail::make_bonds(w, [&](system_id a, system_id b, real) {
+      return wanted.count(std::minmax({value_of(a), value_of(b)})) > 0;
+    });
+    if (made != list.size())
+      detail::fail<std::invalid_argument>(
+          "bond_pairs bonded {} of {} pairs: list each pair once, of bodies without a bond whose "
+          "surfaces are within the range of parallel_bond and whose materials have its parameters",
+          made, list.size());
+    return made;
+  } else {
+    return 0;
+  }
 }
 
 /// Calls f(bond_view) for the bonds of the present state, and for broken ones whose bodies are
 /// within range: over all ranks once for each. No rank waits for another.
 template <class Scenario, class F>
 void for_each_bond(world<Scenario>& w, F&& f) {
-  detail::require_bond_law<Scenario>();
-  w.note_reading("for_each_bond");
-  using law = typename Scenario::contact_law::law;
-  auto& s = detail::state_of(w);
-  const detail::body_places<Scenario> places(s);
-  const auto look = [&](const detail::contact_key& key, const contact_geometry& g, const vec3&,
-                        bool counts) {
-    if (!counts) return;
-    const auto* all = s.history.find(key);
-    if (all == nullptr) return;
-    const auto& m = law::template of<parallel_bond>(*all);
-    if (m.radius == 0 && m.broken == bond_break::none) return;
-    bond_view b{.a = key.a, .b = key.b, .point = g.point, .normal = g.normal, .broken = m.broken};
-    material_id ma{}, mb{};
-    places.visit(key.a, [&](const auto& x, std::size_t i, bool) { ma = x.material[i]; });
-    places.visit(key.b, [&](const auto& x, std::size_t i, bool) { mb = x.material[i]; });
-    b.stress = parallel_bond::stress({.gap = g.gap},
-                                     law::template of<parallel_bond>(s.soft.pairs.pair(ma, mb)), m);
-    f(std::as_const(b));
-  };
-  detail::observe_contacts(s, look);
+  if constexpr (detail::require_bond_law<Scenario>()) {
+    w.note_reading("for_each_bond");
+    using law = typename Scenario::contact_law::law;
+    auto& s = detail::state_of(w);
+    const detail::body_places<Scenario> places(s);
+    const auto look = [&](const detail::contact_key& key, const contact_geometry& g, const vec3&,
+                          bool counts) {
+      if (!counts) return;
+      const auto* all = s.history.find(key);
+      if (all == nullptr) return;
+      const auto& m = law::template of<parallel_bond>(*all);
+      if (m.radius == 0 && m.broken == bond_break::none) return;
+      bond_view b{.a = key.a, .b = key.b, .point = g.point, .normal = g.normal, .broken = m.broken};
+      material_id ma{}, mb{};
+      places.visit(key.a, [&](const auto& x, std::size_t i, bool) { ma = x.material[i]; });
+      places.visit(key.b, [&](const auto& x, std::size_t i, bool) { mb = x.material[i]; });
+      b.stress = parallel_bond::stress(
+          {.gap = g.gap}, law::template of<parallel_bond>(s.soft.pairs.pair(ma, mb)), m);
+      f(std::as_const(b));
+    };
+    detail::observe_contacts(s, look);
+  }
 }
 
 /// Collective: the number of bonds of the world.
