@@ -165,9 +165,6 @@ struct link_of<Transport, true> {
 /// What follows from the policies of a scenario, for every part of the state.
 template <class Scenario>
 struct state_traits {
-  static_assert(complete<typename Scenario::transport>,
-                "a world needs the transport of its scenario, which is threads unless it names "
-                "another: write #include <talus/parallel/threads.hpp>");
   using link_type = typename link_of<typename Scenario::transport>::type;
   using domain_type =
       std::conditional_t<link_type::alone, single_domain, domain<typename Scenario::decomposition>>;

@@ -881,6 +881,11 @@ class world {
   detail::recorded_values records_;
   [[no_unique_address]] std::conditional_t<keeps, detail::checkpoint_keeper, detail::keeps_nothing>
       keeper_;
+
+  // The last member, because clang leaves out those behind a failed assertion.
+  static_assert(detail::complete<typename Scenario::transport>,
+                "a world needs the transport of its scenario, which is threads unless it names "
+                "another: write #include <talus/parallel/threads.hpp>");
 };
 
 }  // namespace talus
