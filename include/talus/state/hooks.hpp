@@ -94,14 +94,13 @@ template <class... Features>
 using features_with_hooks =
     join_lists<std::conditional_t<with_hooks<Features>, type_list<Features>, type_list<>>...>;
 
-/// Refuses, once for a feature, hooks whose view is only declared. False after a refusal.
-template <class Scenario, class Feature>
-struct view_of_hooks {
-  static constexpr bool complete = detail::complete<stage_view<Scenario, Feature>>;
-  static_assert(complete,
-                "a world with a feature of one's own needs what its hooks see: write "
-                "#include <talus/feature.hpp>");
-};
+/// Whether the views that hooks of user-defined features take are defined, not only declared.
+template <class Scenario, class Features>
+inline constexpr bool views_are_defined = false;
+template <class Scenario, class... Features>
+inline constexpr bool views_are_defined<Scenario, type_list<Features...>> =
+    (... &&
+     (built_in<Features> || !with_hooks<Features> || complete<stage_view<Scenario, Features>>));
 
 /// Whether a feature measures errors of the steps.
 template <class Feature>
@@ -124,7 +123,7 @@ void run_hook(State& s, More&... more) {
     }
   } else if constexpr (contains_type<stages::all, Stage>) {
     using view = stage_view<Scenario, Feature>;
-    if constexpr (view_of_hooks<Scenario, Feature>::complete)
+    if constexpr (complete<view>)
       if constexpr (requires(view & v) { Stage::template call<hooks>(v); }) {
         const function_clock clock(s, s.functions.number(Feature::name));
         view v(s);

@@ -24,6 +24,9 @@ namespace talus::detail {
 
 template <class Scenario>
 void step(world_state<Scenario>& s, real dt) {
+  static_assert(views_are_defined<Scenario, typename Scenario::features>,
+                "a world with a feature of one's own needs what its hooks see: write "
+                "#include <talus/feature.hpp>");
   s.dt = dt;
   if (dt != s.lengths.now()) {
     real fastest = 0;
