@@ -96,12 +96,8 @@ struct part_of_bodies {
   static_assert(complete<Shape>,
                 "bodies<...> names a shape whose header is missing: write #include "
                 "<talus/mesh.hpp> for triangle_mesh");
-  static constexpr bool begun = [] {
-    if constexpr (complete<Shape>) {
-      if constexpr (parts_of_shape<Shape>::begun) return examined<own_shape<Shape>>;
-    }
-    return false;
-  }();
+  static constexpr bool begun = complete<Shape> && parts_of_shape<Shape>::begun;
+  static_assert(sizeof(std::conditional_t<begun, own_shape<Shape>, std::true_type>) > 0);
   static_assert(!complete<Shape> || begun || is_shape<Shape>::value,
                 "bodies<...> takes shapes only, such as sphere, box or plane, and this type is "
                 "not one: remove it, or make it model talus::concepts::shape");
@@ -127,7 +123,7 @@ inline constexpr bool has_name_of_another = (... || share_name<Shape, Others>);
 /// Policy: the shapes of all bodies. Default: bodies<sphere, plane>.
 template <class... Shapes>
 struct bodies final {
-  static_assert((... && detail::examined<detail::part_of_bodies<Shapes>>));
+  static_assert((... && (sizeof(detail::examined<detail::part_of_bodies, Shapes>) > 0)));
   static_assert(sizeof...(Shapes) > 0,
                 "bodies<> names no shape: name at least one, as in bodies<sphere>");
   static_assert(detail::all_different<type_list<Shapes...>>,

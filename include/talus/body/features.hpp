@@ -275,7 +275,7 @@ struct part_of_features {
 /// Policy: the features in use. Default: features<>.
 template <class... Features>
 struct features final {
-  static_assert((... && detail::examined<detail::part_of_features<Features>>));
+  static_assert((... && (sizeof(detail::examined<detail::part_of_features, Features>) > 0)));
   static_assert(detail::all_different<type_list<Features...>>,
                 "features<...> names a feature twice: keep one of the two");
 

@@ -144,7 +144,7 @@ struct hard_contact final {
   /// Whether overlaps are corrected; the default if no correction is named.
   static constexpr bool correction = !detail::contains_type<list, no_correction>;
 
-  static_assert((... && detail::examined<detail::part_of_hard_contact<Parts>>));
+  static_assert((... && (sizeof(detail::examined<detail::part_of_hard_contact, Parts>) > 0)));
   static_assert(detail::all_different<list>,
                 "hard_contact<...> names a part twice: keep one of the two");
   static_assert(correction || !detail::contains_type<list, split_correction>,

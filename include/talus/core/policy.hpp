@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "talus/core/misspelt.hpp"
 #include "talus/core/not_there.hpp"
@@ -49,14 +50,11 @@ concept part_for = requires {
 template <class Type, class Role>
 inline constexpr bool is_part = part_for<Type, Role>;
 
-/// Always true; instantiates a type for its static_assert. The compiler then names the refused type
-/// in "In instantiation of 'struct talus::detail::...<TYPE>'".
-template <class Check>
-inline constexpr bool examined = sizeof(Check) > 0;
-/// What talus lacks is refused where it is named.
-template <template <class...> class Check, class Type>
-requires is_missing<Type>
-inline constexpr bool examined<Check<Type>> = true;
+/// A check whose static_assert refuses a type: its size is asked for, so that the compiler names
+/// the refused type in "In instantiation of 'struct talus::detail::...<TYPE>'". What talus lacks is
+/// refused where it is named. (An alias: a variable would add three lines to what clang prints.)
+template <template <class> class Check, class Type>
+using examined = std::conditional_t<is_missing<Type>, std::true_type, Check<Type>>;
 
 /// The type in the compiler's description of a function: "... [with Type = X; ...]", clang: "[Type
 /// = X]".

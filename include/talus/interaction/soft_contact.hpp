@@ -108,7 +108,7 @@ struct soft_contact final {
   static constexpr bool restitution = true;
   static constexpr bool correction = false;
 
-  static_assert((... && detail::examined<detail::part_of_soft_contact<Parts>>));
+  static_assert((... && (sizeof(detail::examined<detail::part_of_soft_contact, Parts>) > 0)));
   static_assert(detail::all_different<list>,
                 "soft_contact<...> names a part twice: keep one of the two");
   static_assert(laws::size > 0,

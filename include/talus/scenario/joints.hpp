@@ -31,7 +31,7 @@ struct part_of_joints {
 /// Policy: the kinds of joints that world.join(...) makes. Default: none.
 template <class... Kinds>
 struct joints final {
-  static_assert((... && detail::examined<detail::part_of_joints<Kinds>>));
+  static_assert((... && (sizeof(detail::examined<detail::part_of_joints, Kinds>) > 0)));
   static_assert(detail::all_different<type_list<Kinds...>>,
                 "joints<...> names a kind of joint twice: keep one of the two");
 

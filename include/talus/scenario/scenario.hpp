@@ -130,10 +130,8 @@ struct argument_of_scenario {
 /// A policy refuses its own wrong arguments; outside of concepts, because compilers print more in
 /// them.
 template <class Type>
-requires spelled_as_policy<Type>
-struct argument_of_scenario<Type> {
-  static_assert(sizeof(Type) > 0);
-};
+using examined_argument =
+    std::conditional_t<spelled_as_policy<Type>, Type, examined<argument_of_scenario, Type>>;
 
 }  // namespace detail
 
@@ -141,7 +139,7 @@ struct argument_of_scenario<Type> {
 /// member names the default.
 template <class... Policies>
 struct scenario final {
-  static_assert((... && detail::examined<detail::argument_of_scenario<Policies>>));
+  static_assert((... && (sizeof(detail::examined_argument<Policies>) > 0)));
   static_assert(detail::at_most_one<roles::bodies, Policies...>,
                 "scenario<...> names the role 'bodies' twice: put all shapes into one bodies<...>");
   static_assert(detail::at_most_one<roles::contact_law, Policies...>,
