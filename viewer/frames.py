@@ -35,6 +35,12 @@ def read_index(base):
     return Series(index).files
 
 
+def read(file, name, form, rows=None):
+    """An array of a file (Stored.array), in double precision if it is of floating point: numbers below LARGEST have squares."""
+    values = file.array(name, form, rows)
+    return values.astype("f8", copy=False) if values.dtype.kind == "f" else values
+
+
 class Blocks:
     """The arrays of a frame, one after another."""
 
@@ -90,7 +96,7 @@ class Converter:
         with Stored(file, WHAT) as f:
             ids = f.array("VTKHDF/CellData/id", "u")
             shapes = f.array("VTKHDF/CellData/shape", "u", len(ids))
-            ends, corners, points = (f.array("VTKHDF/" + k, form) for k, form in (("Offsets", "u"), ("Connectivity", "u"), ("Points", "f3")))
+            ends, corners, points = (read(f, "VTKHDF/" + k, form) for k, form in (("Offsets", "u"), ("Connectivity", "u"), ("Points", "f3")))
         if len(ends) != len(ids) + 1 or ends[0] < 0 or (ends[1:] < ends[:-1]).any() or ends[-1] > len(corners) or \
                 not ((0 <= corners) & (corners < len(points))).all():
             raise Error(f"{file} is damaged: VTKHDF/Offsets and VTKHDF/Connectivity do not belong to {len(ids)} faces of {len(points)} points")
@@ -131,9 +137,9 @@ class Converter:
     def converted(self, path, time):
         with Stored(path, f"{WHAT} with bodies") as f:
             step = int(f.array("VTKHDF/FieldData/step", "u", 1)[0])
-            points = f.array("VTKHDF/Points", "f3")
+            points = read(f, "VTKHDF/Points", "f3")
             there = USED - OPTIONAL | OPTIONAL.intersection(f.names("VTKHDF/PointData"))
-            data = {k: f.array(f"VTKHDF/PointData/{k}", FORMS[k], len(points)) for k in sorted(there)}
+            data = {k: read(f, f"VTKHDF/PointData/{k}", FORMS[k], len(points)) for k in sorted(there)}
             shapes_of(f, len(points))
             own = names_of_shapes(f)[OWN:]
         data["shape"] = data["shape"] + (data["shape"] >= OWN)  # with its faces, or as a box, as in pages of programs
@@ -226,9 +232,9 @@ class Converter:
             return
         with Stored(file, WHAT) as f:
             rows = len(f.array("VTKHDF/CellData/id_a", "u"))
-            c = {k: f.array(f"VTKHDF/CellData/{k}", CONTACT_FORMS[k], rows) for k in ("id_a", "id_b", "point", "force", "normal_force")}
+            c = {k: read(f, f"VTKHDF/CellData/{k}", CONTACT_FORMS[k], rows) for k in ("id_a", "id_b", "point", "force", "normal_force")}
         force = np.linalg.norm(c["force"], axis=1)
-        good = np.flatnonzero((force < LARGEST) & (np.abs(c["point"]) < LARGEST).all(axis=1) & np.isfinite(c["normal_force"]))
+        good = np.flatnonzero((force < LARGEST) & (np.abs(c["point"]) < LARGEST).all(axis=1) & (np.abs(c["normal_force"]) < LARGEST))
         head["contacts_of"] = int(len(good))
         values["contacts"] = int(len(good))
         if len(good) == 0 or len(points) == 0:

@@ -214,8 +214,17 @@ class Foreign(unittest.TestCase):
                 with_array(self.folder / BODIES, name, lambda g, n: g.__setitem__(n, np.full((COUNT, 3), value)))
                 self.view(code=0)
             write_output(self.folder)
-        with_array(self.folder / CONTACTS, "VTKHDF/CellData/normal_force", lambda g, n: g.__setitem__(n, np.full(COUNT, np.nan)))
-        self.view(code=0)
+        for file, name, values in [(CONTACTS, "VTKHDF/CellData/normal_force", np.full(COUNT, np.nan)),
+                                   (CONTACTS, "VTKHDF/CellData/normal_force", np.full(COUNT, 1e308)),  # have no sum
+                                   (CONTACTS, "VTKHDF/CellData/force", np.full((COUNT, 3), 3e38, "f4")),
+                                   (BODIES, "VTKHDF/PointData/velocity", np.full((COUNT, 3), 3e38, "f4"))]:
+            write_output(self.folder)
+            with_array(self.folder / file, name, lambda g, n: g.__setitem__(n, values))
+            with self.subTest(name=name, type=values.dtype):
+                self.view(code=0)
+                code, said = self.server.ask()
+                self.assertEqual(code, 200, said)
+                json.loads(said)
 
     def test_a_signal_leaves_no_unfinished_page(self):
         body = (self.folder / BODIES).read_bytes()
