@@ -14,6 +14,7 @@ import numpy as np
 
 from .errors import Error
 
+PIECE = 1 << 20  # bytes that are read at a time
 KINDS = {"u": "iu", "f": "f"}  # of a form: whole numbers, numbers of floating point
 
 
@@ -32,13 +33,21 @@ def require_regular(path):
 
 
 def read_text(path):
-    """The text of a file. Raises Error, or UnicodeDecodeError."""
+    """The text of a file. Raises Error, or UnicodeDecodeError. A file with holes may be far larger than what was sent: it is
+    read up to the first zero byte, which no text has."""
     require_regular(path)
+    data = bytearray()
     try:
-        with open(path, newline="", encoding="utf-8") as file:
-            return file.read()
+        with open(path, "rb") as file:
+            while piece := file.read(PIECE):
+                data += piece
+                if 0 in piece:
+                    raise Error(f"{path} is damaged: it has a zero byte after {data.index(0)} others, and is a text")
+        return data.decode()
     except OSError as e:
         raise Error(f"{path} cannot be read: {e.strerror}") from None
+    except MemoryError:
+        raise Error(f"{path} cannot be read: it has {os.path.getsize(path)} bytes, more than there is memory") from None
 
 
 def beside(path, name):

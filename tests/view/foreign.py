@@ -208,6 +208,16 @@ class Foreign(unittest.TestCase):
             (self.folder / "o.hdf.series").write_text(index, encoding="latin-1")
             self.refused("o.hdf.series is ")
 
+    def test_a_file_with_holes_is_refused_at_the_first(self):
+        for file in self.folder / "o.hdf.series", self.folder / "t.csv":
+            file.write_text("step [1],a [1]\n1,2\n")
+            os.truncate(file, 1 << 42)
+            with self.assertRaisesRegex(talus.Error, f"{file.name} is damaged: it has a zero byte after 19 others"):
+                talus.open(file)
+        self.refused("o.hdf.series is damaged")
+        write_output(self.folder)
+        self.assertIn("t.csv is damaged", self.view("--csv", self.folder / "t.csv", code=1).stderr)
+
     def test_numbers_without_a_square_make_a_page(self):
         for name in ("VTKHDF/Points", "VTKHDF/PointData/velocity", "VTKHDF/PointData/size"):
             for value in (1e300, np.nan, -np.inf):
