@@ -114,9 +114,13 @@ class Series(collections.abc.Sequence):
         except (ValueError, RecursionError):
             raise Error(f"{path} is no index of an {WHAT}, or is truncated: it is no JSON") from None
         try:
-            self._files = [(str(entry["name"]), float(entry["time"])) for entry in index["files"]]
+            self._files = [(entry["name"], float(entry["time"])) for entry in index["files"]]
+            right = isinstance(index["files"], list) and all(
+                isinstance(entry["name"], str) and type(entry["time"]) in (int, float) for entry in index["files"])
         except (TypeError, KeyError, ValueError, OverflowError):
-            raise Error(f"{path} is no index of an {WHAT}: it lists no files with times") from None
+            right = False
+        if not right:
+            raise Error(f"{path} is no index of an {WHAT}: it lists no files with times")
         if not all(math.isfinite(time) for _, time in self._files):
             raise Error(f"{path} is damaged: it lists times that are not finite")
         counts = collections.Counter(name for name, _ in self._files)

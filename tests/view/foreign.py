@@ -203,7 +203,8 @@ class Foreign(unittest.TestCase):
             with_array(self.folder / file, name, lambda g, n: g.__setitem__(n, values))
             with self.subTest(file=file, name=name):
                 self.refused(name.rpartition("/")[2], file != SURFACES)
-        for index in ("[" * 100000, "1", '{"files": [1]}', '{"files": [{"name": "o", "time": 1e999}]}',
+        for index in ("[" * 100000, "1", '{"files": {}}', '{"files": [{"name": 3, "time": 0}]}', '{"files": [{"name": "o", "time": true}]}',
+                      '{"files": [{"name": "o", "time": "0"}]}', '{"files": [1]}', '{"files": [{"name": "o", "time": 1e999}]}',
                       f'{{"files": [{{"name": "o", "time": {"9" * 400}}}]}}', "\xff"):
             (self.folder / "o.hdf.series").write_text(index, encoding="latin-1")
             self.refused("o.hdf.series is ")
