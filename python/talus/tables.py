@@ -1,4 +1,5 @@
 """Results (--json), time series (--csv), and tables of bodies and contacts."""
+import collections
 import csv
 import json
 
@@ -44,6 +45,9 @@ class Table:
         for number, row in enumerate(rows[1:], 2):
             if len(row) != len(head):
                 raise Error(f"{path} is damaged: line {number} has {len(row)} cells, and its head {len(head)}")
+        names = collections.Counter(h.partition(" [")[0] for h in head)
+        if len(names) < len(head):
+            raise Error(f"{path} is damaged: its head names {names.most_common(1)[0][0]} twice")
         self.units = {h.partition(" [")[0]: h.partition(" [")[2].rstrip("]") for h in head}
         series = head[0].startswith("step")
         self._columns = {}

@@ -132,6 +132,11 @@ class Read(unittest.TestCase):
         path.write_text(text.rstrip()[:-1])  # all cells are there, but not all digits of the last one
         self.assertEqual(len(talus.open(path)), 8)
 
+    def test_a_table_that_names_a_column_twice_is_refused(self):
+        (self.work / "twice.csv").write_text("step [1],a [m],a [s],b\n1,2,3,4\n")
+        with self.assertRaisesRegex(talus.Error, "twice.csv is damaged: its head names a twice"):
+            talus.open(self.work / "twice.csv")
+
     def test_wrong_and_truncated_files_are_refused_in_words(self):
         def refused(path, words):
             with self.assertRaises(talus.Error, msg=str(path)) as told:
