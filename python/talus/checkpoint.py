@@ -61,6 +61,10 @@ def require_whole(path):
                     f"was written with {file_bytes}")
 
 
+FORMS = {**dict.fromkeys(("id", "material", "flags"), "u"), **dict.fromkeys(("position", "velocity", "angular_velocity"), "f3"),
+         "orientation": "f4", "inverse_mass": "f"}  # of columns (Stored.array)
+
+
 class Bodies(Columns):
     """The bodies of one shape, in the order of their ids: positions, velocities, angular_velocities, orientations
     (x, y, z, w), ids, radii; ["..."] for all columns by their names in the file. `numbers` names the columns of
@@ -72,7 +76,7 @@ class Bodies(Columns):
     def __init__(self, path, table):
         with Stored(path, WHAT) as file:
             order = by_id(file.array(f"{table}/id", "u"))
-        super().__init__(path, WHAT, table, order)
+        super().__init__(path, WHAT, table, order, FORMS)
         self._names = [n for n in self._names if n not in ("pieces", "boxes", "extra")]
         self.shape = table.rpartition("/")[2]
         self.numbers = ()
@@ -88,15 +92,21 @@ class Bodies(Columns):
     def __len__(self):
         return len(self["id"])
 
+    def _number(self, k):
+        """A column of "shape". Raises Error."""
+        values = self["shape"]
+        columns = values.reshape(len(values), 1) if values.ndim == 1 else values
+        if columns.shape[1] < max(k + 1, len(self.numbers)):
+            raise Error(f"{self._path} is damaged: {self._group}/shape has {columns.shape[1]} columns, and its bodies have more numbers")
+        return columns[:, k]
+
     def __getattr__(self, name):
         shape = self.__dict__.get("shape", "body")
         if name == "radii" and shape in ("sphere", "capsule", "cylinder"):
-            values = self["shape"]  # of a sphere its only number, of the others the first
-            return values if values.ndim == 1 else values[:, 0]
+            return self._number(0)
         numbers = self.__dict__.get("numbers", ())
         if name in numbers:
-            values = self["shape"]
-            return values if values.ndim == 1 else values[:, numbers.index(name)]
+            return self._number(numbers.index(name))
         word = type(self).WORDS.get(name)
         if word is None or word not in self._names:
             raise AttributeError(f"a {shape} of this checkpoint has no {name}")

@@ -132,6 +132,41 @@ class Read(unittest.TestCase):
         path.write_text(text.rstrip()[:-1])  # all cells are there, but not all digits of the last one
         self.assertEqual(len(talus.open(path)), 8)
 
+    def forged(self, name, change):
+        """A checkpoint that somebody has changed, and has given the checksum of its first block."""
+        sent = self.work / name
+        shutil.copy(self.file(".h5"), sent)
+        with h5py.File(sent, "r+") as file:
+            change(file)
+        block = bytearray(sent.read_bytes()[:struct.unpack_from("<I", sent.read_bytes(), 36)[0]])
+        struct.pack_into("<Q", block, 40, sent.stat().st_size)
+        struct.pack_into("<Q", block, len(block) - 8, checkpoint.checksum(bytes(block[:-8])))
+        with open(sent, "r+b") as file:
+            file.write(block)
+        return sent
+
+    def test_columns_of_a_checkpoint_have_their_forms(self):
+        rows = {"sphere": 3, "box": 1}
+
+        def put(name, values):
+            def change(file):
+                del file[name]
+                file[name] = values
+            return change
+
+        for name, values, words in [
+                ("bodies/box/shape", np.zeros((1, 2)), "box/shape"), ("bodies/box/shape", np.zeros((1, 0)), "box/shape"),
+                ("bodies/box/shape", np.zeros(1), "box/shape"), ("bodies/sphere/shape", np.zeros((3, 0)), "sphere/shape"),
+                ("shapes/box", np.frombuffer(b"a\nb\nc\nd\n", "u1"), "box/shape"),
+                ("bodies/sphere/position", np.zeros(3), "sphere/position"), ("bodies/sphere/velocity", np.zeros((3, 3), int), "sphere/velocity"),
+                ("bodies/box/orientation", np.zeros((1, 1)), "box/orientation"), ("bodies/box/material", np.zeros(1), "box/material")]:
+            with self.subTest(name=name, shape=values.shape), self.assertRaisesRegex(talus.Error, f"forms.h5 is damaged: bodies/{words} has "):
+                state = talus.open(self.forged("forms.h5", put(name, values)))
+                for shape, bodies in state.bodies.items():
+                    self.assertEqual(len(bodies), rows[shape])
+                    for word in (*bodies.WORDS, *bodies.numbers):
+                        getattr(bodies, word, None)
+
     def test_a_table_that_names_a_column_twice_is_refused(self):
         (self.work / "twice.csv").write_text("step [1],a [m],a [s],b\n1,2,3,4\n")
         with self.assertRaisesRegex(talus.Error, "twice.csv is damaged: its head names a twice"):
@@ -171,16 +206,11 @@ class Read(unittest.TestCase):
         wrong[60] ^= 1
         (self.work / "wrong.h5").write_bytes(wrong)
         refused(self.work / "wrong.h5", "the checksum of its first block is wrong")
-        sent = self.work / "sent.h5"
-        shutil.copy(self.file(".h5"), sent)
-        with h5py.File(sent, "r+") as file:
+
+        def lead_away(file):
             del file["bodies/sphere/position"]
             file["bodies/sphere"].create_dataset("position", (3, 3), "f8", external=[(str(self.file(".csv")), 0, 72)])
-        block = bytearray(sent.read_bytes()[:struct.unpack_from("<I", sent.read_bytes(), 36)[0]])
-        struct.pack_into("<Q", block, 40, sent.stat().st_size)
-        struct.pack_into("<Q", block, len(block) - 8, checkpoint.checksum(bytes(block[:-8])))
-        with open(sent, "r+b") as file:
-            file.write(block)
+        sent = self.forged("sent.h5", lead_away)
         with self.assertRaisesRegex(talus.Error, "sent.h5: bodies/sphere/position is virtual, lies in another file"):
             talus.open(sent).bodies["sphere"].positions
         (self.work / "list.json").write_text('{"ended_early": "exit(3) on rank 0"}')
