@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 
 MODULES, PROGRAM = sys.argv.pop(1), sys.argv.pop(1)
@@ -259,6 +260,16 @@ class Worlds(unittest.TestCase):
                     self.assertTrue(error.startswith("RuntimeError: Python ends") or
                                     "RuntimeError: Python ends".startswith(error), run.stderr)
 
+    def test_python_ends_where_an_observer_of_another_thread_does_not(self):
+        for work in ("while True: pass", "time.sleep(1000)"):
+            began = time.monotonic()
+            run = subprocess.run([sys.executable, "-c", f"import sys, threading, time; sys.path.insert(0, {MODULES!r})\n"
+                                  f"import drop\nw = drop.World(steps=1000000)\ndef f(w):\n    {work}\n"
+                                  "w.observe(1, f)\nthreading.Thread(target=w.run, daemon=True).start()\ntime.sleep(0.2)\n"],
+                                 capture_output=True, text=True, timeout=60)
+            self.assertEqual((run.returncode, run.stderr), (0, ""), work)
+            self.assertLess(time.monotonic() - began, 20)
+
     def test_threads_may_take_their_first_arrays_at_once(self):
         script = (f"import sys, threading; sys.path.insert(0, {MODULES!r})\nimport drop\n"
                   "worlds = [drop.World() for _ in range(4)]\n"
@@ -498,6 +509,21 @@ class Worlds(unittest.TestCase):
                                    "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), world.step(1))\n"],
                                   capture_output=True, text=True, timeout=60)
             self.assertEqual((told.returncode, told.stdout, told.stderr), (0, "6 1\n", ""), end)
+
+    def test_a_fork_ends_while_a_thread_of_its_parent_makes_steps(self):
+        told = subprocess.run([sys.executable, "-c", f"import os, signal, sys, threading, time; sys.path.insert(0, {MODULES!r})\n"
+                               "import drop\nworld = drop.World(steps=1000000)\n"
+                               "threading.Thread(target=world.run, daemon=True).start()\ntime.sleep(0.2)\nchild = os.fork()\n"
+                               "if child == 0:\n"
+                               "    signal.alarm(15)\n"
+                               "    try: world.step()\n"
+                               "    except RuntimeError as e: print(e, flush=True)\n"
+                               "    own = drop.World(steps=3)\n"
+                               "    sys.exit(own.run())\n"
+                               "print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)\nos._exit(0)\n"],
+                              capture_output=True, text=True, timeout=20)
+        self.assertEqual((told.returncode, told.stderr), (0, ""))
+        self.assertRegex(told.stdout, "a fork cannot use it.*\n3\n$")
 
     def test_python_ends_without_a_word_while_worlds_are_open(self):
         told = subprocess.run([sys.executable, "-c", f"import sys; sys.path.insert(0, {MODULES!r})\n"

@@ -132,7 +132,7 @@ struct driven_world {
     } const under_way(observing);
     const std::uint64_t now = session->open().steps();
     for (const observer& o : observers)
-      if (now % o.every == 0) o.f(self);
+      if (now % o.every == 0) call_of_thread(o.f, self);
   }
 };
 

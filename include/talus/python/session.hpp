@@ -162,7 +162,7 @@ class session {
  private:
   void require_idle() const {
     end_->require_more();
-    if (busy_)
+    if (busy_ && thread_.here())  // a fork lacks the thread
       throw std::runtime_error(
           "another thread works with this world: wait until it has finished, or give each thread "
           "its own world");
