@@ -63,10 +63,10 @@ def remove_leftovers(folder, names):
 
 
 def read(path):
-    """The object in a JSON file, or None if there is none."""
+    """The object in a JSON file, or None if there is none. A pipe is no file: its writer may never come."""
     try:
-        value = json.loads(path.read_text())
-    except (OSError, ValueError):
+        value = json.loads(path.read_text()) if path.is_file() else None
+    except (OSError, ValueError, RecursionError, MemoryError):
         return None
     return value if isinstance(value, dict) else None
 

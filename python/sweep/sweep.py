@@ -79,9 +79,9 @@ def arguments_of(words):
 
 def found_in(folder):
     """What the sweep.json of a folder holds, or None if it has none. Raises Wrong."""
-    found = read(folder / "sweep.json")
-    if found is None:
+    if not os.path.lexists(folder / "sweep.json"):
         return None
+    found = read(folder / "sweep.json") or {}
     runs = found.get("runs")
     if not isinstance(runs, list) or not runs or not all(isinstance(run, dict) and run for run in runs) or \
             not all(isinstance(value, str) for run in runs for value in run.values()) or \

@@ -186,6 +186,26 @@ class Sweeps(unittest.TestCase):
             for words in (["--vary", "friction=1,2"], ["--collect", str(self.work / "out")]):
                 self.assertIn("sweep.json is damaged", self.sweep(*words, code=2), (key, value))
 
+    def test_records_that_are_no_files_or_too_deep_count_as_not_there(self):
+        self.sweep("--vary", "friction=1,2")
+        out, collect = self.work / "out", ["--collect", str(self.work / "out")]
+        deep, pipe = lambda file: file.write_text('{"a":' * 100000), lambda file: os.mkfifo(file)
+        for make in deep, pipe:
+            for name, code, words in (("runs/friction=1/results.json", 0, "2 of 2 runs are done"),
+                                      ("runs/friction=1/done.json", 1, "1 are missing"), ("sweep.json", 2, "sweep.json is damaged")):
+                file = out / name
+                whole = file.read_bytes()
+                file.unlink()
+                make(file)
+                self.assertIn(words, self.sweep(*collect, code=code))
+                file.unlink()
+                file.write_bytes(whole)
+        (out / "runs" / "friction=1" / "done.json").unlink()
+        (out / "runs" / "friction=1" / "lock").unlink()
+        os.mkfifo(out / "runs" / "friction=1" / "done.json")
+        self.sweep("--vary", "friction=1,2")
+        self.assertEqual([r["status"] for r in self.rows()], ["done", "done"])
+
     def test_what_killed_sweeps_left_is_removed_and_nothing_else(self):
         out = self.work / "out"
         out.mkdir()
