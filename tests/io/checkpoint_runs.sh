@@ -124,7 +124,11 @@ damage() {
   expect 1 "is damaged: it has $((size + 1)) bytes, but was written with $size" -- \
     "$program" --quiet --steps 30 --restart bad.h5
   expect 1 'none.h5 cannot be read: No such file or directory; --restart takes a file that --checkpoint has written: look for it, or leave --restart out' -- "$program" --quiet --restart none.h5
-  expect 1 'cannot be read: it is no file' -- "$program" --quiet --restart .
+  rm -f pipe
+  mkfifo pipe
+  for other in . pipe /dev/zero; do
+    expect 1 'cannot be read: it is no file' -- "$program" --quiet --restart "$other"
+  done
   expect 1 'is of step 30, but this run ends with step 20' -- \
     "$program" --quiet --steps 20 --restart good.h5
   # If ranks are processes one of them prints it.

@@ -7,7 +7,7 @@ namespace talus::detail {
 
 TALUS_HDF5_INLINE checkpoint_reader::checkpoint_reader(const std::string& name)
     : only_(hdf5_mutex()) {
-  const system_file file(name, O_RDONLY);
+  const system_file file(name, O_RDONLY | O_NONBLOCK);  // a pipe may have no writer
   struct stat found {};
   if (!file.good() || ::fstat(file.id(), &found) != 0)
     fail<std::runtime_error>("cannot be read: {}", system_words());
