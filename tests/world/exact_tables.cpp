@@ -129,3 +129,34 @@ TEST_CASE("so have those that go on after a restart on other ranks") {
     CHECK(table(ranks, 2) == one);
   }
 }
+
+TEST_CASE("sums over terms of any sizes go on in a restart without a digit less") {
+  const std::string file = "/tmp/talus_sizes_of_terms_" + std::to_string(getpid()) + ".h5";
+  const auto run = [&](int on, bool restarts) {
+    threads::launch({.ranks = on}, [&](threads::link& link) {
+      world<falling> w(link, grid<dynamic, dynamic>{.lower = {-4, -4}, .upper = {4, 4}});
+      const auto stuff = w.material({.density = 1.3});
+      if (restarts)
+        read_checkpoint(w, file);
+      else
+        for (const double speed : {3e10, 0.7, 1e-9, 3e-34, 1e-60, 1e-77, 7e-110, 1e-150})
+          w.add_if_local(body{.shape = sphere{0.1},
+                              .position = {1e-9 + std::log10(speed) / 50, 0.5, 0.5},
+                              .material = stuff,
+                              .velocity = {0, 0, speed}});
+      w.synchronize();
+      w.simulate({.steps = 3, .dt = 1e-12});
+      const energy_balance e = measure_energy(w);
+      CHECK(e.changes == 0);
+      CHECK(e.closure == 0);
+      if (!restarts) write_checkpoint(w, file);
+    });
+  };
+  for (const int before : {1, 3})
+    for (const int after : {1, 2, 3, 4}) {
+      CAPTURE(before);
+      CAPTURE(after);
+      run(before, false), run(after, true);
+    }
+  unlink(file.c_str());
+}

@@ -1,8 +1,7 @@
 #pragma once
 // The numbers of the monitors and of the states of features on one rank, to store them in a
 // checkpoint.
-#include <array>
-#include <cstddef>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -11,12 +10,24 @@
 
 namespace talus::detail {
 
-/// The value over all ranks: the sum of a number over the ranks, or the largest. A rest belongs to
-/// the sum before it: what the numbers before leave.
-enum class over_ranks { sum, rest, largest };
+/// The value over all ranks: the sum of a number over the ranks, or the largest.
+enum class over_ranks { sum, largest };
+
+/// Numbers whose sum is exactly that one: the nearest number, that of what is left, and so on. The
+/// last is not finite if the sum is not.
+[[nodiscard, gnu::cold]] inline std::vector<double> parts_of(signed_sum left) {
+  std::vector<double> parts;
+  for (double part = left.value(); part != 0; part = left.value()) {
+    parts.push_back(part);
+    if (!std::isfinite(part)) break;
+    left -= part;
+  }
+  return parts;
+}
 
 /// The argument of `each_number(visit)` of a record: visit.sum(x) and visit.largest(x) name a
-/// number, and its reduction over all ranks.
+/// number, and its reduction over all ranks. Calls f(number, over_ranks), and f(signed_sum) for
+/// exact sums.
 template <class F>
 class number_visitor {
  public:
@@ -26,17 +37,7 @@ class number_visitor {
   void sum(vec3& v) {
     for (int k = 0; k < 3; ++k) sum(v[k]);
   }
-  /// The nearest number, that of what is left, and so on.
-  void sum(signed_sum& x) {
-    std::array<double, parts_of_sum> parts;
-    signed_sum left = x;
-    for (double& part : parts) part = left.value(), left -= part;
-    const auto before = parts;
-    for (double& part : parts) f_(part, &part == parts.data() ? over_ranks::sum : over_ranks::rest);
-    if (parts == before) return;
-    x = {};
-    for (const double part : parts) x += part;
-  }
+  void sum(signed_sum& x) { f_(x); }
   void sum(vector_sum& x) {
     for (signed_sum& part : x.parts) sum(part);
   }
@@ -64,9 +65,6 @@ class number_visitor {
   }
 
  private:
-  /// Their digits cover the terms of a sum, unless these differ by more than 10^60 in size.
-  static constexpr std::size_t parts_of_sum = 4;
-
   F& f_;
 };
 
@@ -83,8 +81,7 @@ class list_visitor {
   F& f_;
 };
 
-/// Calls f(number, over_ranks) for the numbers that a record, or the state of a feature, passes to
-/// a visitor.
+/// Calls f for the numbers that a record, or the state of a feature, passes to a visitor.
 template <class Record, class F>
 void each_number(Record& record, F&& f) {
   number_visitor visit(f);

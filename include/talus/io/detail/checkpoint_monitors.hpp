@@ -3,6 +3,9 @@
 // run on as many ranks continues with the same sums to the bit. On another number of ranks the
 // first one takes all.
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -67,20 +70,82 @@ template <class Scenario>
   });
 }
 
+/// The columns of a record: its numbers, and as many for each of its sums as the longest one needs.
+struct record_columns {
+  /// For each sum at least; files of earlier versions have so many.
+  static constexpr std::uint64_t least = 4;
+  static constexpr std::uint64_t most = 48;  ///< all digits of a sum
+
+  std::uint64_t numbers = 0, sums = 0, parts = least;
+
+  [[nodiscard]] std::uint32_t width() const {
+    return static_cast<std::uint32_t>(numbers + sums * parts);
+  }
+  void operator()(double&, over_ranks) { ++numbers; }
+  void operator()(const signed_sum& x) {
+    ++sums;
+    parts = std::max<std::uint64_t>(parts, parts_of(x).size());
+  }
+};
+
+/// Writes the numbers of a record as one row.
+struct record_writer {
+  byte_writer out;
+  std::uint64_t parts;
+
+  void operator()(double& x, over_ranks) { out.put(x); }
+  void operator()(const signed_sum& x) {
+    std::vector<double> each = parts_of(x);
+    each.resize(parts);
+    for (const double part : each) out.put(part);
+  }
+};
+
+/// Reads the numbers of a record from the row of this rank, or as those of all rows on rank 0.
+struct record_reader {
+  const std::vector<double>& rows;
+  std::size_t width, parts, rank, ranks, at = 0;
+
+  [[nodiscard]] bool own() const { return rows.size() == ranks * width; }
+  /// Calls f(number) for `count` columns of the rows that count here.
+  template <class F>
+  void each(std::size_t count, F&& f) {
+    for (std::size_t row = own() ? rank : 0; row * width < rows.size(); ++row) {
+      for (std::size_t k = 0; k < count; ++k) f(rows[row * width + at + k]);
+      if (own()) break;
+    }
+    at += count;
+  }
+  void operator()(double& x, over_ranks means) {
+    signed_sum sum;
+    double largest = 0, mine = 0;
+    each(1, [&](double value) { sum += value, mine = value, largest = std::max(largest, value); });
+    x = own() ? mine : means == over_ranks::largest ? largest : rank > 0 ? 0 : sum.value();
+  }
+  void operator()(signed_sum& x) {
+    signed_sum sum;
+    each(parts, [&](double part) { sum += part; });
+    x = own() || rank == 0 ? sum : signed_sum{};
+  }
+};
+
 /// Collective.
 template <class Scenario>
 [[gnu::cold]] void put_monitors(checkpoint_team& team, world_state<Scenario>& s,
                                 std::vector<small_dataset>& out) {
   each_stored_record(s, [&](const std::string& path, auto& record) {
+    record_columns columns;
+    each_number(record, columns);
+    team.most(std::span(&columns.parts, 1));
     byte_buffer mine;
-    std::uint32_t width = 0;
-    each_number(record, [&](double& x, over_ranks) { byte_writer(mine).put(x), ++width; });
+    record_writer writer{byte_writer(mine), columns.parts};
+    each_number(record, writer);
     std::vector<double> rows;
     for (const byte_buffer& each : team.gather(mine)) {
       byte_reader from(each);
-      for (std::uint32_t k = 0; k < width; ++k) rows.push_back(from.get<double>());
+      for (std::uint32_t k = 0; k < columns.width(); ++k) rows.push_back(from.get<double>());
     }
-    out.push_back(numbers_dataset<double>(path, rows, width));
+    out.push_back(numbers_dataset<double>(path, rows, columns.width()));
   });
 }
 
@@ -89,27 +154,19 @@ template <class Scenario>
 [[gnu::cold]] void get_monitors(const checkpoint_reader& in, world_state<Scenario>& s) {
   each_stored_record(s, [&](const std::string& path, auto& record) {
     if (!in.has(path)) return;
-    std::uint32_t width = 0;
-    each_number(record, [&](double&, over_ranks) { ++width; });
-    const std::vector<double> rows = in.reals(path, checkpoint_reader::any, width);
-    const auto rank = static_cast<std::size_t>(s.link->rank()),
-               ranks = static_cast<std::size_t>(s.link->size());
-    std::size_t at = 0;
-    signed_sum left;  // of a sum and its rest
-    each_number(record, [&](double& x, over_ranks means) {
-      if (rows.size() == ranks * width) {
-        x = rows[rank * width + at++];
-        return;
-      }
-      double largest = 0;
-      if (means != over_ranks::rest) left = {};
-      for (std::size_t k = at; k < rows.size(); k += width)
-        left += rows[k], largest = std::max(largest, rows[k]);
-      const double sum = left.value();
-      left -= sum;
-      x = means == over_ranks::largest ? largest : rank > 0 ? 0 : sum;
-      ++at;
-    });
+    record_columns columns;
+    each_number(record, columns);
+    columns.parts = record_columns::least;
+    const std::uint32_t stored = in.width(path);
+    while (columns.sums > 0 && columns.width() < stored && columns.parts < record_columns::most)
+      ++columns.parts;
+    const std::vector<double> rows = in.reals(path, checkpoint_reader::any, columns.width());
+    record_reader reader{.rows = rows,
+                         .width = columns.width(),
+                         .parts = columns.parts,
+                         .rank = static_cast<std::size_t>(s.link->rank()),
+                         .ranks = static_cast<std::size_t>(s.link->size())};
+    each_number(record, reader);
   });
 }
 

@@ -51,6 +51,10 @@ class checkpoint_reader {
                                                     std::uint32_t width = 1) const {
     return numbers<std::uint64_t>(path, number_type::u64, rows, width);
   }
+  /// The numbers in a row of a dataset of reals.
+  [[nodiscard]] std::uint32_t width(const std::string& path) const {
+    return open_dataset(*file_, path, number_type::f64, 0).width();
+  }
   [[nodiscard]] std::string text(const std::string& path) const;
   [[nodiscard]] table_reader table(const std::string& path, std::vector<table_column> columns,
                                    bool extras) const {
