@@ -274,6 +274,10 @@ END
     expect 0 -- "$program" --quiet --steps 5 $option $file
     nothing_left
   done
+  # Processes that end together, by an error, leave no lock.
+  expect 1 'the checkpoint none cannot be read' -- \
+    "${launch[@]}" "$program" --quiet --steps 5 --log failed --restart none
+  nothing_left
   # What no run has made stays.
   : >mine.json.lock
   mkdir mine.json.part-folder

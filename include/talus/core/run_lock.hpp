@@ -12,6 +12,8 @@
 #include <cstdint>
 #include <cstdlib>
 #include <ctime>
+#include <mutex>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -54,6 +56,8 @@ class run_lock {
   /// an end beside the files FILE<digits>END; none where the file system has no locks, because runs
   /// of other machines may still write them.
   [[gnu::cold]] void remove_left_over(const std::string& file, std::string_view end = {}) const;
+  /// Removes the files of all locks of this process, which then ends at once, without destructors.
+  [[gnu::cold]] static void leave_all();
   /// Whether this is the lock of that file, for any form of its path.
   [[nodiscard, gnu::cold]] bool is_of(const std::string& file) const;
 
@@ -64,6 +68,13 @@ class run_lock {
   [[nodiscard, gnu::cold]] bool is_named() const;
   [[nodiscard, gnu::cold]] std::string text() const;
   [[noreturn, gnu::cold]] void refuse();
+
+  /// The locks of this process.
+  struct locks_held {
+    std::mutex mutex;
+    std::set<run_lock*> locks;
+  };
+  [[nodiscard]] static locks_held& all_held();
 
   std::string name_;
   int id_ = -1;

@@ -66,6 +66,21 @@ TALUS_INLINE run_lock::run_lock(const std::string& file, const std::string& outp
   } catch (const std::exception& e) {
     fail<std::runtime_error>("{} {}", output, e.what());
   }
+  locks_held& held = all_held();
+  const std::lock_guard lock(held.mutex);
+  held.locks.insert(this);
+}
+
+TALUS_INLINE run_lock::locks_held& run_lock::all_held() {
+  static locks_held* const held = new locks_held;  // outlives every exit handler
+  return *held;
+}
+
+TALUS_INLINE void run_lock::leave_all() {
+  locks_held& held = all_held();
+  const std::lock_guard lock(held.mutex);
+  for (const run_lock* each : held.locks)
+    if (each->owns_file_ && each->is_named()) ::unlink(each->name_.c_str());
 }
 
 TALUS_INLINE void run_lock::take(const std::string& file) {
@@ -98,6 +113,9 @@ TALUS_INLINE void run_lock::take(const std::string& file) {
 }
 
 TALUS_INLINE run_lock::~run_lock() {
+  locks_held& held = all_held();
+  const std::lock_guard lock(held.mutex);
+  held.locks.erase(this);
   if (id_ >= 0 && owns_file_ && is_named()) ::unlink(name_.c_str());
   close();
 }

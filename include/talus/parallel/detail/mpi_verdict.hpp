@@ -12,6 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "talus/core/run_lock.hpp"
+
 namespace talus::detail {
 
 /// The flag, and after it a number for each rank: 0, or 1 plus the collective calls of its program
@@ -84,6 +86,7 @@ class mpi_verdict {
 
   /// Until the first rank ends the job, which takes milliseconds; ends it itself after ten seconds.
   [[noreturn]] void wait_for_the_end() {
+    run_lock::leave_all();
     const auto deadline = clock::now() + std::chrono::seconds(10);
     while (clock::now() < deadline) {
       ranks_.iprobe();  // lets MPI serve the flag
@@ -141,6 +144,9 @@ class mpi_verdict {
   }
 
   [[noreturn]] void end() {
+    run_lock::leave_all();
+    // Rank 0 holds the locks of outputs, and often is about to fail for the same reason.
+    if (ranks_.rank() != 0) std::this_thread::sleep_for(std::chrono::milliseconds(200));
     ranks_.abort(EXIT_FAILURE);
     std::abort();  // not reached; MPI_Abort does not promise that
   }

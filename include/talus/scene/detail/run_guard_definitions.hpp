@@ -2,6 +2,7 @@
 // The definitions of run_guard.hpp, in the compiled part or in each program.
 #include "talus/core/linkage.hpp"
 #include "talus/core/output_file.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/core/shown_text.hpp"
 #include "talus/io/output_kinds.hpp"
 #include "talus/scene/detail/run_guard.hpp"
@@ -48,6 +49,7 @@ TALUS_INLINE void refuse_exit(int code) {
     }
   std::fflush(nullptr);
   const int error = (code & 0xff) != 0 ? code & 0xff : EXIT_FAILURE;
+  run_lock::leave_all();
   if (const auto end = end_of_job.load()) end(error);
   std::_Exit(error);
 }
