@@ -30,7 +30,7 @@ const figures = [
   { title: "Energy book", unit: "M L²/T²", names: { energy_work: "work", energy_friction: "friction", energy_impact: "impacts",
     energy_damping: "damping", energy_correction: "position correction", energy_scheme: "time stepping", energy_sleep: "sleep",
     energy_motors: "motors", energy_springs: "springs of joints", energy_joint_friction: "friction of joints" } },
-  { title: "Error of the energy book", unit: "", log: true, names: { energy_error: "last step", energy_error_worst: "worst step" } },
+  { title: "Error of the energy book", unit: "", log: true, names: { energy_error: "error" } },
   { title: "Overlap", unit: "mean radii", log: true, names: { penetration_mean: "mean", penetration_max: "largest" } },
   { title: "Overlap by the monitor", unit: "mean radii", log: true,
     names: { overlap_mean: "mean", overlap_max: "largest", overlap_worst: "worst step" } },

@@ -1201,7 +1201,7 @@ const figures = [
   { title: "Energy book", unit: "M L²/T²", names: { energy_work: "work", energy_friction: "friction", energy_impact: "impacts",
     energy_damping: "damping", energy_correction: "position correction", energy_scheme: "time stepping", energy_sleep: "sleep",
     energy_motors: "motors", energy_springs: "springs of joints", energy_joint_friction: "friction of joints" } },
-  { title: "Error of the energy book", unit: "", log: true, names: { energy_error: "last step", energy_error_worst: "worst step" } },
+  { title: "Error of the energy book", unit: "", log: true, names: { energy_error: "error" } },
   { title: "Overlap", unit: "mean radii", log: true, names: { penetration_mean: "mean", penetration_max: "largest" } },
   { title: "Overlap by the monitor", unit: "mean radii", log: true,
     names: { overlap_mean: "mean", overlap_max: "largest", overlap_worst: "worst step" } },
@@ -1356,8 +1356,8 @@ function draw_times(add, run) {
   for (const [p, name] of phases.entries())
     if (ranks <= 16) add({ title: "Time per rank: " + name, unit: "ms a step" },
       numbers.map((r) => ({ name: "rank " + r, values: heads.map((_, k) => per_step(k, r, p)) })));
-  add({ tit)page",
-    R"page(le: "Imbalance", unit: "most work of a rank over the mean" },
+  add({ title: "Imbalance", unit: "most work of a)page",
+    R"page( rank over the mean" },
     [{ name: "imbalance", values: heads.map((_, k) => {
       const all = work.map((w) => w[k]), m = mean(all);
       return m > 0 ? Math.max(...all) / m : NaN;
@@ -1592,8 +1592,8 @@ function talus_view() {
     $("legend").hidden = !m.ramp, $("names").hidden = Boolean(m.ramp);
     if (!m.ramp) {
       $("names").replaceChildren(...m.listed(run).slice(0, 256).map((k) => {
- )page",
-    R"page(       const item = document.createElement("li"), mark = document.createElement("i");
+        const item = document.createEle)page",
+    R"page(ment("li"), mark = document.createElement("i");
         mark.style.background = "rgb(" + m.colour(run, k) + ")", item.append(mark, m.name(run, k));
         return item;
       }));
