@@ -125,14 +125,16 @@ concept finite_shape = shape<Shape> && Shape::finite &&
 ///   are computed for each pair
 /// - `smallest_curvature_radius()`: overlaps of smooth shapes up to it have one normal only, which
 ///   is found without a search for others
-/// - `level(p)`: the surface as the level of a convex function (shape/surface_level.hpp), for
-/// points
-///   to rounding errors where a smooth shape is flat
+/// - `level(p)`: the surface as the level of a convex function (shape/surface_level.hpp), for exact
+///   points where a smooth shape is flat
+/// - `flat_sides`: false if no side is flat and no line of the surface is straight; a shape without
+///   `form()`, this and the two above may have such sides
 /// - `numbers`: the names of its numbers, in the order of its members, for checkpoints and Python
 /// - `homogeneous`: false if its mass does not fill it evenly, as that of a hollow body
 /// A shape of a user's own is tested when bodies with it are added: its support function must be
 /// that of a convex body with the centre of mass inside, and within the bounds, and volume and
-/// inertia must be about those of that body (shape/support_check.hpp).
+/// inertia must be about those of that body, and form() must reach as far
+/// (shape/support_check.hpp).
 template <class Shape>
 concept convex_shape = finite_shape<Shape> && !requires(const Shape& s) {
   s.parts();

@@ -87,7 +87,15 @@ struct own {
 /// A brick that gives its faces, perhaps with a mistake.
 template <bool Filled>
 struct brick_of {
-  enum mistake { none, no_volume, volume_of_half, moments_of_edges, middle_off, turned };
+  enum mistake {
+    none,
+    no_volume,
+    volume_of_half,
+    moments_of_edges,
+    middle_off,
+    turned,
+    other_form
+  };
   vec3 edges{1, 2, 3};
   int kind = none;
 
@@ -110,7 +118,7 @@ struct brick_of {
     return kind == middle_off ? vec3(p + vec3(0, 0, 0.3 * edges[2])) : p;
   }
   [[nodiscard]] vec3 half_extents(const pose&) const { return vec3(1, 1, 1) * bounding_radius(); }
-  [[nodiscard]] block_form form() const { return {edges / 2}; }
+  [[nodiscard]] block_form form() const { return {kind == other_form ? edges : edges / 2}; }
   friend bool operator==(const brick_of&, const brick_of&) = default;
 };
 using brick = brick_of<true>;
@@ -182,6 +190,7 @@ TEST_CASE("a shape with faces is tested, too, and its mass against its support f
     says(refusal(brick{edges, brick::moments_of_edges}), "inertia() of a brick returns (");
     says(refusal(brick{edges, brick::middle_off}), "lies at about (");
     says(refusal(brick{edges, brick::turned}), "are not its principal axes of inertia");
+    says(refusal(brick{edges, brick::other_form}), "form() of a brick reaches ");
     // The walls of a hollow one have other moments.
     CHECK(refusal(hollow_brick{edges, brick::moments_of_edges}) == "");
     says(refusal(hollow_brick{edges, brick::no_volume}), "volume() of a hollow_brick returns 0");

@@ -12,7 +12,9 @@
 #include "talus/concepts.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/shape/convex_form.hpp"
 #include "talus/shape/detail/support_moments.hpp"
+#include "talus/shape/polyhedron_mesh.hpp"
 
 namespace talus {
 
@@ -172,6 +174,42 @@ struct untested_shape {
         s.name, right, mixed, or_else);
 }
 
+/// How far a form reaches along a direction (unit), from the origin.
+[[nodiscard]] inline real reach_along(const block_form& f, const vec3& d) {
+  return d.cwiseAbs().dot(f.half);
+}
+[[nodiscard]] inline real reach_along(const segment_form& f, const vec3& d) {
+  return std::abs(d[2]) * f.half + f.rounding;
+}
+[[nodiscard]] inline real reach_along(const drum_form& f, const vec3& d) {
+  return std::hypot(d[0], d[1]) * f.radius + std::abs(d[2]) * f.half;
+}
+[[nodiscard]] inline real reach_along(const ball_form& f, const vec3&) { return f.radius; }
+[[nodiscard]] inline real reach_along(const mesh_form& f, const vec3& d) {
+  return d.dot(f.mesh->vertices[f.mesh->furthest(d)]) + f.rounding;
+}
+
+/// Throws invalid_argument, with a direction and the values, unless form() reaches as far as
+/// support() along 98 directions, to a thousandth of the bounding radius: contacts take the form,
+/// bounds and rays the support function.
+template <class Shape>
+[[gnu::cold]] void require_form_of_support(const Shape& s) {
+  const auto form = s.form();
+  if constexpr (requires { reach_along(form, vec3{}); })
+    for (int i = -2; i <= 2; ++i)
+      for (int j = -2; j <= 2; ++j)
+        for (int k = -2; k <= 2; ++k) {
+          if (i % 2 == 0 && j % 2 == 0 && k % 2 == 0) continue;
+          const vec3 d = vec3(i, j, k).normalized();
+          const real reach = reach_along(form, d), known = d.dot(s.support(d));
+          if (!(std::abs(reach - known) <= real(1e-3) * s.bounding_radius()))
+            fail<std::invalid_argument>(
+                "form() of a {} reaches {} along {}, but its support function reaches {}; return "
+                "the form of the same body, in the same frame",
+                Shape::name, reach, d, known);
+        }
+}
+
 /// Throws invalid_argument, with the values, for a volume and moments per unit of mass that no body
 /// within the bounding radius can have, or that hardly any body has: less than a hundredth of those
 /// of a ball of the volume.
@@ -268,6 +306,7 @@ void require_convex(const Shape& s) {
     require_mass_of_shape(Shape::name, s.volume(), s.inertia(), s.bounding_radius());
     if (is_homogeneous<Shape> && left > values - filled)
       require_filled_shape(one, s.volume(), s.inertia());
+    if constexpr (requires { s.form(); }) require_form_of_support(s);
     last = s, --left;
   } else if constexpr (requires { s.each_part([](const auto&, const pose&) {}); }) {
     s.each_part([](const auto& part, const pose&) { require_convex(part); });
