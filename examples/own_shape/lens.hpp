@@ -11,6 +11,7 @@ struct lens {
 
   static constexpr bool finite = true;
   static constexpr bool isotropic = false;  // its orientation matters
+  static constexpr bool flat_sides = false;
   static constexpr const char* name = "lens";
   static constexpr const char* numbers[] = {"radius", "thickness"};  // for Python
 

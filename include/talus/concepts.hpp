@@ -127,8 +127,8 @@ concept finite_shape = shape<Shape> && Shape::finite &&
 ///   is found without a search for others
 /// - `level(p)`: the surface as the level of a convex function (shape/surface_level.hpp), for exact
 ///   points where a smooth shape is flat
-/// - `flat_sides`: false if no side is flat and no line of the surface is straight; a shape without
-///   `form()`, this and the two above may have such sides
+/// - `flat_sides`: false if no side is flat and no line of the surface is straight; without it such
+///   sides are looked for, unless there are `form()`, `bend()` or `level()`
 /// - `numbers`: the names of its numbers, in the order of its members, for checkpoints and Python
 /// - `homogeneous`: false if its mass does not fill it evenly, as that of a hollow body
 /// A shape of a user's own is tested when bodies with it are added: its support function must be

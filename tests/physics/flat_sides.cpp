@@ -10,11 +10,14 @@
 #include <talus/scene/lattice.hpp>
 #include <talus/scene/region.hpp>
 #include <talus/shape/box.hpp>
+#include <talus/shape/cylinder.hpp>
 #include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/each_contact.hpp>
 #include <talus/world/world.hpp>
 #include <variant>
 #include <vector>
+
+#include "../../examples/own_shape/lens.hpp"
 
 using namespace talus;
 
@@ -83,10 +86,77 @@ struct smoothed {
   friend bool operator==(const smoothed&, const smoothed&) = default;
 };
 
+/// A drum by its support function, with the smallest radius of curvature of its rim.
+struct drum {
+  real radius = 1, half = 0.5;
+  static constexpr bool finite = true, isotropic = false, flat_sides = true;
+  static constexpr const char* name = "drum";
+
+  void validate() const {}
+  [[nodiscard]] cylinder as_cylinder() const { return cylinder{radius, 2 * half}; }
+  [[nodiscard]] real bounding_radius() const { return as_cylinder().bounding_radius(); }
+  [[nodiscard]] real smallest_curvature_radius() const { return 0; }
+  [[nodiscard]] real volume() const { return as_cylinder().volume(); }
+  [[nodiscard]] vec3 inertia() const { return as_cylinder().inertia(); }
+  [[nodiscard]] vec3 support(const vec3& d) const { return as_cylinder().support(d); }
+  [[nodiscard]] vec3 half_extents(const pose& at) const { return as_cylinder().half_extents(at); }
+  friend bool operator==(const drum&, const drum&) = default;
+};
+/// A lens that looks for flat sides, and has none.
+struct thin : lens {
+  static constexpr bool flat_sides = true;
+  static constexpr const char* name = "thin";
+};
+/// A wedge whose edge lies along x; it returns the middle of the edge where both ends are as far.
+struct wedge {
+  static constexpr bool finite = true, isotropic = false, homogeneous = false;
+  static constexpr const char* name = "wedge";
+  void validate() const {}
+  [[nodiscard]] real bounding_radius() const { return std::sqrt(real(3)); }
+  [[nodiscard]] real volume() const { return 4; }
+  [[nodiscard]] vec3 inertia() const { return {0.4, 0.4, 0.4}; }
+  [[nodiscard]] vec3 support(const vec3& d) const {
+    const real x = d[0] > 0 ? 1 : d[0] < 0 ? -1 : 0;
+    return std::abs(d[1]) + d[2] > -d[2] ? vec3(x, std::copysign(real(1), d[1]), 1)
+                                         : vec3(x, 0, -1);
+  }
+  [[nodiscard]] vec3 half_extents(const pose&) const { return vec3(1, 1, 1) * bounding_radius(); }
+  friend bool operator==(const wedge&, const wedge&) = default;
+};
+
+/// The contacts of a body whose centre is at that height over a plane.
+template <class Shape>
+std::vector<loaded_contact> contacts_at(const Shape& shape, real height) {
+  std::vector<loaded_contact> all;
+  threads::launch({.ranks = 1}, [&](auto& link) {
+    world<scenario<bodies<Shape, plane>, transport<threads>>> w(link);
+    const auto m = w.material({.density = 1});
+    w.gravity({0, 0, -9.81});
+    w.global([&](auto& s) { s.add(plane{}, m); });
+    w.add(body{.shape = shape, .position = {0, 0, height}, .material = m});
+    w.step(1e-3);
+    for_each_contact(w, [&](const loaded_contact& c) { all.push_back(c); });
+  });
+  return all;
+}
+
 using scene = scenario<bodies<tablet, smoothed, box, triangle_mesh, plane>,
                        decomposition<grid<dynamic, dynamic>>, transport<threads>>;
 
 }  // namespace
+
+TEST_CASE("the member flat_sides decides, and thin round shapes have no flat side") {
+  CHECK(contacts_at(drum{}, 0.5).size() == 16);
+  for (const real t : {0.5, 0.05, 0.01, 0.005, 0.002}) {
+    CAPTURE(t);
+    thin one;
+    one.radius = 1, one.thickness = t;
+    const auto contacts = contacts_at(one, t / 2);
+    CHECK(contacts.size() == 1);
+    for (const auto& c : contacts) CHECK(std::abs(c.gap) < 1e-4 * t);
+  }
+  CHECK(contacts_at(wedge{}, 1).size() >= 2);
+}
 
 TEST_CASE("bodies rest on flat sides that their support functions alone have") {
   for (const int ranks : {1, 2})

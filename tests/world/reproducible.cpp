@@ -5,6 +5,7 @@
 #include <set>
 #include <talus/observe/residual.hpp>
 #include <talus/scene/lattice.hpp>
+#include <talus/shape/box.hpp>
 #include <tuple>
 
 namespace {
@@ -36,6 +37,18 @@ TEST_CASE("a heap of spheres has the same bits on any ranks, while bodies come a
     if (k % 100 == 50) w.destroy_if([](const auto& b) { return b.position()[2] > 5; });
   };
   check_same<heap<reproducible>>(400, spheres, come_and_go);
+}
+
+TEST_CASE("a heap of spheres has the same bits where boxes are named before them") {
+  using boxes_first = scenario<bodies<box, sphere, plane>, solver<reproducible>, transport<threads>,
+                               decomposition<any_decomposition>>;
+  check_same<boxes_first>(
+      200,
+      [](auto& w) {
+        spheres(w);
+        w.add_if_local(body{.shape = box{{1, 1, 1}}, .position = {1, 1, 6}});
+      },
+      nothing);
 }
 
 TEST_CASE("spheres as large as a domain, crossing several ranks, leave the bits the same") {

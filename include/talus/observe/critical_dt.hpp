@@ -267,12 +267,12 @@ template <class Scenario>
 /// more, and the motion is stable. It is the smaller of two values. Stability: for linear springs
 /// the step beyond which a contact of a body with one like it gains energy; for Hertz the shortest
 /// Rayleigh time of all bodies; for bonds a bound for all bonds of a body. Boxes, hulls, cylinders,
-/// capsules and unions count as on the contact points of two faces, about which they also turn (see
-/// interaction/stiffening.hpp); a surface of triangles counts as a plane.
-/// Resolution: 5/21 of the shortest contact at that speed, if that is an impact: faster than
-/// gravity times the duration of the contact. So a speed of 0 gives stability alone. Bodies with
-/// many contacts with others are stiffer. Throws invalid_argument for a speed that is negative or
-/// not finite.
+/// capsules, unions and shapes of one's own that may have flat sides count as on the contact points
+/// of two faces, about which they also turn (see interaction/stiffening.hpp); a surface of
+/// triangles counts as a plane. Resolution: 5/21 of the shortest contact at that speed, if that is
+/// an impact: faster than gravity times the duration of the contact. So a speed of 0 gives
+/// stability alone. Bodies with many contacts with others are stiffer. Throws invalid_argument for
+/// a speed that is negative or not finite.
 template <class Scenario>
 [[nodiscard]] real critical_dt(world<Scenario>& w,
                                real impact_speed) requires(Scenario::contact_law::soft) {

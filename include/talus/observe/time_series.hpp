@@ -48,7 +48,7 @@ template <class Scenario>
       {"penetration_mean", "1", p.mean},
       {"penetration_max", "1", p.max},
   };
-  // One number of the monitors is that of single ranks; tables have the same values on any ranks.
+  // That number depends on the ranks. All others are the same on any ranks.
   for (const measured& m : measure_monitors(w).values)
     if (m.name != "energy_error_worst") columns.push_back(m);
   return columns;

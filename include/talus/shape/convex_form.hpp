@@ -54,9 +54,20 @@ struct smooth_form {
 
 namespace detail {
 
+/// Whether flat sides are looked for: as the member `flat_sides` says, or if there is none, where
+/// no function gives the surface itself.
+template <class Shape>
+[[nodiscard]] constexpr bool may_have_flat_sides() {
+  constexpr bool bends = requires(const Shape& s) { s.bend(vec3{}); };
+  constexpr bool level = requires(const Shape& s) { s.level(vec3{}); };
+  if constexpr (requires { Shape::flat_sides; })
+    return bool(Shape::flat_sides);
+  else
+    return !bends && !level;
+}
+
 /// The form of a convex shape: its own, or a smooth one. The shape outlives it. A smooth shape that
-/// does not give its smallest radius of curvature has that of an ellipsoid of its size, and may
-/// have flat sides unless it says `flat_sides = false`.
+/// does not give its smallest radius of curvature has that of an ellipsoid of its size.
 template <class Shape>
 [[nodiscard]] auto form_of(const Shape& s) {
   if constexpr (requires { s.form(); }) {
@@ -73,11 +84,7 @@ template <class Shape>
       f.sharpest = s.smallest_curvature_radius();
     else
       f.sharpest = f.thickness * (f.thickness / s.bounding_radius());
-    constexpr bool round = requires { s.bend(vec3{}); }
-    || requires { s.level(vec3{}); }
-    || requires { s.smallest_curvature_radius(); }
-    || requires { requires !Shape::flat_sides; };
-    if constexpr (!round) f.flat = real(0.1) * s.bounding_radius();
+    if constexpr (may_have_flat_sides<Shape>()) f.flat = real(0.1) * s.bounding_radius();
     if constexpr (requires { s.level(vec3{}); })
       f.level = [](const void* shape, const vec3& point) -> surface_level {
         return static_cast<const Shape*>(shape)->level(point);

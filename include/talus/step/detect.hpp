@@ -64,8 +64,8 @@ class found_spheres {
  private:
   /// Colours follow from all pairs: where these change in most steps, to keep contacts is in vain.
   void make_by_colours(plain_vector<close_pair>& pairs) {
-    [[maybe_unused]] auto& kept = s_.found.kept;
     if constexpr (keeps_first_contacts<Scenario>()) {
+      auto& kept = s_.found.kept;
       if (kept.pause == 0) return contact_keeper<Scenario, true>(s_).make_all(pairs);
       if (--kept.pause == 0) kept.search = ~std::uint64_t{0};
     }
