@@ -33,7 +33,7 @@ template <class Part, class Pairs>
 }
 template <class Part>
 [[nodiscard]] std::string path_of_interactions() {
-  return std::string("/materials/interactions_") + Part::name;
+  return compose("/materials/interactions_{}", Part::name);
 }
 
 /// Calls f.template operator()<Part>(parameters of all pairs) for the parts of the contact law, if
