@@ -61,10 +61,8 @@ int main(int argc, char** argv) {
       world.link().reduce(reduction::sum, sums);
       return std::array{sums[0], 2 * sums[1] / sums[0]};
     };
-    std::array<double, 2> bed{};
-    world.keep("bed", bed);
     simulate_until(options.settle);
-    bed = survey();
+    const std::array<double, 2> bed = world.once("bed", survey);
     // Starts at a rounded height, because sums over ranks differ in their last bit.
     world.add_if_local(body{.shape = sphere{D / 2},
                             .position = {0, 0, std::ceil(bed[1]) + 0.5 + D / 2},
