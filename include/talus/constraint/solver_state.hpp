@@ -137,7 +137,8 @@ struct solver_state_of {
   /// Bodies of other ranks whose contacts this rank solves too follow all others, with either kind
   /// of inertia.
   [[nodiscard]] bool has_tensor(std::size_t body) const {
-    return body >= first_tensor && bodies[body].inverse_inertia == 0;
+    return body >= first_tensor && body - first_tensor < tensors.size() &&
+           bodies[body].inverse_inertia == 0;
   }
 };
 using solver_state = solver_state_of<real>;
