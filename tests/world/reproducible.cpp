@@ -51,6 +51,23 @@ TEST_CASE("a heap of spheres has the same bits where boxes are named before them
       nothing);
 }
 
+TEST_CASE("spheres that a shaking floor strikes have the same bits on any ranks") {
+  using shaken = scenario<bodies<sphere, plane>, solver<reproducible>, transport<threads>,
+                          decomposition<any_decomposition>, features<driven>>;
+  check_same<shaken>(
+      200,
+      [](auto& w) {
+        const auto elastic = w.material({.restitution = 0.5, .friction = 0.4});
+        w.global([&](auto& scope) {
+          w.drive(scope.add(plane{}, elastic),
+                  oscillation{.amplitude = {0, 0, 0.1}, .frequency = 4});
+        });
+        spheres(w);
+        w.add_if_local(body{.shape = sphere{1.2}, .position = {0, 0, 8}, .material = elastic});
+      },
+      nothing);
+}
+
 TEST_CASE("spheres as large as a domain, crossing several ranks, leave the bits the same") {
   check_same<heap<reproducible>>(
       300,
