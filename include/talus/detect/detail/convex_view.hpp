@@ -368,7 +368,7 @@ class convex_view {
     struct corner {
       vector at;
       Real x, y;
-      int number;
+      int order;
     };
     std::array<corner, 16> all;
     int size = 0;
@@ -394,16 +394,16 @@ class convex_view {
     };
     std::sort(all.begin(), all.begin() + size, [&](const corner& a, const corner& b) {
       const Real of_a = turn(a), of_b = turn(b);
-      return of_a < of_b || (of_a == of_b && a.number < b.number);
+      return of_a < of_b || (of_a == of_b && a.order < b.order);
     });
     std::rotate(all.begin(),
                 std::min_element(all.begin(), all.begin() + size,
-                                 [](const auto& a, const auto& b) { return a.number < b.number; }),
+                                 [](const auto& a, const auto& b) { return a.order < b.order; }),
                 all.begin() + size);
     out.size = 0;
     out.face = 1;
     for (int i = 0; i < size; ++i) {
-      const auto number = static_cast<part_code>(all[index(i)].number);
+      const auto number = static_cast<part_code>(all[index(i)].order);
       out.add(place(all[index(i)].at), 2 + number, 32 + number);
     }
     return true;
