@@ -8,7 +8,10 @@
 #include <talus/observe/force.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/shape/box.hpp>
+#include <talus/shape/capsule.hpp>
+#include <talus/shape/cylinder.hpp>
 #include <talus/shape/sphere.hpp>
+#include <talus/shape/union_of.hpp>
 #include <talus/world/world.hpp>
 #include <vector>
 
@@ -18,9 +21,11 @@ using namespace talus;
 
 namespace {
 
+using pair_of_spheres = union_of<sphere>;
 using soft_scene =
-    scenario<bodies<sphere, box, triangle_mesh>,
-             soft_contact<linear_spring_dashpot, coulomb_friction>, transport<serial>>;
+    scenario<bodies<sphere, box, capsule, cylinder, pair_of_spheres, triangle_mesh>,
+             soft_contact<linear_spring_dashpot, coulomb_friction, rolling_resistance>,
+             transport<serial>>;
 
 const std::vector<std::function<void(world<soft_scene>&)>>& soft_floors() {
   static const std::vector<std::function<void(world<soft_scene>&)>> all{
@@ -32,6 +37,12 @@ const std::vector<std::function<void(world<soft_scene>&)>>& soft_floors() {
       },
       [](auto& w) {
         put_box(w, {1.2, 2, 0.2}, {-0.5, 0, -0.1}), put_box(w, {1.2, 2, 0.3}, {0.5, 0, -0.15});
+      },
+      [](auto& w) {
+        put_box(w, {2, 2, 0.2}, {0, 0, -0.1}, true);
+      },
+      [](auto& w) {
+        put_box(w, {1, 2, 0.2}, {-0.5, 0, -0.1}, true), put_box(w, {1, 2, 0.3}, {0.5, 0, -0.15});
       },
       [](auto& w) { put_rectangle(w, -1, 0), put_rectangle(w, 0, 1); },
       [](auto& w) {
@@ -99,6 +110,44 @@ TEST_CASE("a sphere of soft contacts slides and rolls over seams at its speed") 
         CHECK(c.height < 1e-6 * R);
         CHECK(c.spin * R < 1e-6 * std::abs(speed));
       }
+}
+
+TEST_CASE("bodies that resist rolling roll over seams as on one body") {
+  const auto roll = [](const auto& floor, const auto& shape, real turn) {
+    serial::link link;
+    world<soft_scene> w(link);
+    w.gravity({0, 0, -g});
+    w.material({.density = 1000,
+                .restitution = 0.5,
+                .friction = 0.5,
+                .stiffness = stiffness,
+                .rolling_friction = 0.1});
+    floor(w);
+    const quat q = rotation({0, 0, 1}, turn);
+    const vec3 v = q * vec3(1, 0, 0), spin = q * vec3(0, 1 / R, 0);
+    const auto h = w.add(body{.shape = shape,
+                              .position = vec3(-0.05, 0.002, R),
+                              .velocity = v,
+                              .angular_velocity = spin,
+                              .orientation = q});
+    for (int k = 0; k < 1500; ++k) w.step(1e-4);
+    return std::pair(vec3(w[h].position()), vec3(w[h].angular_velocity()));
+  };
+  const auto all = [&](const auto& shape, real turn) {
+    const auto [there, spin] = roll(soft_floors()[0], shape, turn);
+    CHECK(there[0] > 0.02);
+    for (std::size_t k = 1; k < soft_floors().size(); ++k) {
+      CAPTURE(k);
+      CAPTURE(turn);
+      const auto [at, turns] = roll(soft_floors()[k], shape, turn);
+      CHECK((at - there).norm() < 1e-6 * R);
+      CHECK((turns - spin).norm() * R < 1e-6);
+    }
+  };
+  all(sphere{R}, 0), all(sphere{R}, 0.7);
+  all(pair_of_spheres({{.shape = sphere{R}, .at = {{0, 0.02, 0}}},
+                       {.shape = sphere{R}, .at = {{0, -0.02, 0}}}}),
+      0);
 }
 
 TEST_CASE("a box of soft contacts stands on flush bodies as on one body") {

@@ -272,6 +272,23 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
     return sum;
   }
 
+  /// The memory of a contact that goes on with another body: that of its resistances. Where a and b
+  /// have changed places, vectors of the memory, which are of a relative to b, are reversed.
+  [[nodiscard]] static memory of_resistances(memory old, bool swapped) {
+    memory m;
+    const auto take = [&]<class Part>() {
+      typename Part::memory& from = of<Part>(old);
+      if (swapped) {
+        if constexpr (requires { Part::memory::each_column(from, reversal{}); })
+          Part::memory::each_column(from, reversal{});
+        else
+          return;
+      }
+      of<Part>(m) = from;
+    };
+    (take.template operator()<Resistances>(), ...);
+    return (void)take, m;
+  }
   /// Whether a bond or a neck holds the bodies, also where its force vanishes.
   [[nodiscard]] static bool is_intact(const memory& m) {
     bool any = false;
@@ -329,6 +346,12 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
  private:
   template <class Booked>
   static constexpr bool is_booked = !std::is_same_v<Booked, not_booked>;
+
+  struct reversal {
+    void operator()(const char*, vec3& x) const { x = -x; }
+    template <class Value>
+    void operator()(const char*, Value&) const {}
+  };
 
   template <class Part, class Memory, class F>
   static void column_of_part(Memory& m, F&& f) {

@@ -104,6 +104,23 @@ class flush_surface {
     });
     return hidden;
   }
+  /// Calls f(id) for the bodies beside the one with this number whose surface has the normal of the
+  /// contact at most `reach` from its point, until it returns false.
+  template <class F>
+  void each_beside(std::uint32_t number, real reach, F&& f) {
+    point_ = on_body(number);
+    if (!c_.round) normal_ = of_face(number);
+    s_.flush.each_near(number, point_, reach_of(number) + reach, [&](std::uint32_t other) {
+      const real tolerance = tolerance_of(number, other) + reach;
+      bool agrees = false;
+      each_solid(other, point_, tolerance, [&](const auto& solid, const pose& at) {
+        const vec3 p = at.to_body(point_), n = to_body(at, normal_);
+        agrees = stands_beside(solid, p, n, tolerance) == beside::agrees;
+        return !agrees;
+      });
+      return !agrees || f(s_.flush.all[other].id);
+    });
+  }
 
  private:
   [[nodiscard]] static vec3 to_body(const pose& at, const vec3& direction) {
@@ -475,30 +492,63 @@ template <class ShapeA, class ShapeB, bool Paired, class Scenario, class StoreA,
     if (s.flush.any() && a.inverse_mass[i] == 0) return number_if_flush<ShapeA>(s, false, i) >= 0;
   return (void)s, (void)a, (void)i, (void)b, (void)j, false;
 }
-/// Whether the contact of body l with the fixed body k, which is at `at` for this pair, is hidden.
-template <class Fixed, class Other, class Scenario, class StoreF, class StoreO>
-[[nodiscard, gnu::noinline]] bool is_hidden_on(world_state<Scenario>& s, const StoreF& fixed,
-                                               std::size_t k, const vec3& at, bool global,
-                                               const StoreO& other, std::size_t l,
-                                               const vec3& centre, const vec3& point,
-                                               const vec3& normal) {
-  if constexpr (has_contacts_hidden<Scenario, Fixed, Other>) {
-    const std::int32_t number = number_if_flush<Fixed>(s, global, k);
-    if (number < 0) return false;
-    const vec3 image = fixed.position[k] - at;  // where it is among the others
-    const contact_with_fixed c{point + image,
-                               normal,
-                               centre + image,
-                               other.shape[l].bounding_radius(),
-                               other.id[l],
-                               Other::isotropic,
-                               is_rounded<Other>,
-                               index_of<typename Scenario::shapes, Other>,
-                               l};
-    return flush_surface<Scenario>(s, c).hides(static_cast<std::uint32_t>(number));
-  }
-  return false;
+/// Calls f(surface, number) for the contact of body l with the fixed body k of this number, which
+/// is at `at` for this pair, if that touches other fixed bodies.
+template <class Fixed, class Other, class Scenario, class StoreF, class StoreO, class F>
+void with_flush_surface(world_state<Scenario>& s, const StoreF& fixed, std::size_t k,
+                        const vec3& at, bool global, const StoreO& other, std::size_t l,
+                        const vec3& centre, const vec3& point, const vec3& normal, F&& f) {
+  const std::int32_t number = number_if_flush<Fixed>(s, global, k);
+  if (number < 0) return;
+  const vec3 image = fixed.position[k] - at;  // where it is among the others
+  const contact_with_fixed c{point + image,
+                             normal,
+                             centre + image,
+                             other.shape[l].bounding_radius(),
+                             other.id[l],
+                             Other::isotropic,
+                             is_rounded<Other>,
+                             index_of<typename Scenario::shapes, Other>,
+                             l};
+  flush_surface<Scenario> surface(s, c);
+  f(surface, static_cast<std::uint32_t>(number));
 }
+/// Whether that contact is not on the common surface of flush bodies.
+template <class Fixed, class Other, class Scenario, class StoreF, class StoreO>
+[[nodiscard]] bool is_hidden_on(world_state<Scenario>& s, const StoreF& fixed, std::size_t k,
+                                const vec3& at, bool global, const StoreO& other, std::size_t l,
+                                const vec3& centre, const vec3& point, const vec3& normal) {
+  bool hidden = false;
+  if constexpr (has_contacts_hidden<Scenario, Fixed, Other>)
+    with_flush_surface<Fixed, Other>(
+        s, fixed, k, at, global, other, l, centre, point, normal,
+        [&](auto& surface, std::uint32_t number) { hidden = surface.hides(number); });
+  return hidden;
+}
+/// Calls f(surface, number) for the contact g of bodies i and j of two stores, which are at p_a and
+/// p_b for this pair, if one of them is fixed and touches other fixed bodies.
+template <class ShapeA, class ShapeB, bool Paired, class Scenario, class StoreA, class StoreB,
+          class F>
+[[gnu::noinline]] void on_flush_surface(world_state<Scenario>& s, const StoreA& a, std::size_t i,
+                                        const vec3& p_a, const StoreB& b, std::size_t j,
+                                        const vec3& p_b, const contact_geometry& g, F&& f) {
+  const vec3 half_gap = real(0.5) * g.gap * g.normal;
+  if (!Paired || b.inverse_mass[j] == 0) {
+    if constexpr (has_contacts_hidden<Scenario, ShapeB, ShapeA>)
+      with_flush_surface<ShapeB, ShapeA>(s, b, j, p_b, !Paired, a, i, p_a, g.point - half_gap,
+                                         g.normal, f);
+    return;
+  }
+  if constexpr (Paired && has_contacts_hidden<Scenario, ShapeA, ShapeB>)
+    if (a.inverse_mass[i] == 0)
+      with_flush_surface<ShapeA, ShapeB>(s, a, i, p_a, false, b, j, p_b, g.point + half_gap,
+                                         -g.normal, f);
+}
+/// Whether contacts of two shapes may be on the common surface of flush bodies.
+template <class Scenario, class ShapeA, class ShapeB, bool Paired>
+inline constexpr bool may_be_on_flush_surface = has_contacts_hidden<Scenario, ShapeB, ShapeA> ||
+                                                (Paired &&
+                                                 has_contacts_hidden<Scenario, ShapeA, ShapeB>);
 /// Whether the contact g of bodies i and j of two stores, which are at p_a and p_b for this pair,
 /// is not on the common surface of flush bodies, if one of them is fixed.
 template <class ShapeA, class ShapeB, bool Paired, class Scenario, class StoreA, class StoreB>
@@ -507,20 +557,13 @@ template <class ShapeA, class ShapeB, bool Paired, class Scenario, class StoreA,
                                                         const StoreB& b, std::size_t j,
                                                         const vec3& p_b,
                                                         const contact_geometry& g) {
-  if constexpr (has_contacts_hidden<Scenario, ShapeB, ShapeA> ||
-                (Paired && has_contacts_hidden<Scenario, ShapeA, ShapeB>)) {
-    if (!s.flush.any()) [[likely]]
-      return false;
-    const vec3 half_gap = real(0.5) * g.gap * g.normal;
-    if (!Paired || b.inverse_mass[j] == 0)
-      return is_hidden_on<ShapeB, ShapeA>(s, b, j, p_b, !Paired, a, i, p_a, g.point - half_gap,
-                                          g.normal);
-    if constexpr (Paired)
-      if (a.inverse_mass[i] == 0)
-        return is_hidden_on<ShapeA, ShapeB>(s, a, i, p_a, false, b, j, p_b, g.point + half_gap,
-                                            -g.normal);
-  }
-  return false;
+  bool hidden = false;
+  if constexpr (may_be_on_flush_surface<Scenario, ShapeA, ShapeB, Paired>)
+    if (s.flush.any()) [[unlikely]]
+      on_flush_surface<ShapeA, ShapeB, Paired>(
+          s, a, i, p_a, b, j, p_b, g,
+          [&](auto& surface, std::uint32_t number) { hidden = surface.hides(number); });
+  return hidden;
 }
 
 }  // namespace talus::detail

@@ -59,6 +59,9 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   /// Whether contacts may pass from triangle to triangle.
   static constexpr bool passing =
       remembers && ShapeB::finite && is_triangulated<ShapeA> != is_triangulated<ShapeB>;
+  /// Whether contacts may pass from one fixed body to another, flush beside it.
+  static constexpr bool crossing =
+      remembers && may_be_on_flush_surface<Scenario, ShapeA, ShapeB, paired>;
   /// Whether fixed bodies may lie flush beside each other under a body.
   static constexpr bool seams = may_cross_seams<Scenario, ShapeB, ShapeA> ||
                                 (paired && may_cross_seams<Scenario, ShapeA, ShapeB>);
@@ -132,8 +135,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       } else if constexpr (watches_geometry) {
         observer_(key, g, f.force, counts);
       } else if constexpr (watches_loads) {
-        // As in add(): for immovable bodies the point is on their surface.
-        const real inwards = paired ? 0 : real(0.5) * g.gap;
+        const real inwards = depth_of_point(x, g);
         observer_(key, vec3(g.point + inwards * g.normal), position_a(x), position_b(x), f, counts);
       } else if constexpr (observed) {
         observer_(key, f.force, x.own_a || !x.moves_a, x.own_b || !x.moves_b);
@@ -153,8 +155,13 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     const auto accept = [&](const contact_geometry& g, const auto& add_force)
         __attribute__((always_inline)) {
       const auto former = [&]() -> const kept* {
-        if constexpr (remembers) return s_.history.former(before, key_of(g));
-        return nullptr;
+        const kept* old = nullptr;
+        if constexpr (remembers) old = s_.history.former(before, key_of(g));
+        if constexpr (crossing)
+          if (old == nullptr && s_.flush.any() && (!passing || before == history_place::none))
+              [[unlikely]]
+            return of_body_beside(x, g);
+        return old;
       };
       if constexpr (passing) {
         const kept* const old = former();
@@ -199,12 +206,44 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
                                  other.bounding_radius());
         };
         take_later(g, [&] {
+          const kept* old = nullptr;
           if constexpr (is_triangulated<ShapeA>)
-            return former(a_.shape[i], pose_a(x), 0.5, b_.shape[j]);
+            old = former(a_.shape[i], pose_a(x), 0.5, b_.shape[j]);
           else
-            return former(b_.shape[j], pose_b(x), -0.5, a_.shape[i]);
+            old = former(b_.shape[j], pose_b(x), -0.5, a_.shape[i]);
+          if constexpr (crossing)
+            if (old == nullptr && s_.flush.any()) return of_body_beside(x, g);
+          return old;
         });
       }
+  }
+  /// The springs of the contact of the last step that goes on here, with a fixed body beside the
+  /// one it was with; null for a new contact.
+  [[nodiscard, gnu::noinline]] const kept* of_body_beside(const body_pair& x,
+                                                          const contact_geometry& g) {
+    const bool on_b = !paired || b_.inverse_mass[x.j] == 0;
+    const system_id own = on_b ? a_.id[x.i] : b_.id[x.j];
+    const soft_body& body = s_.soft.bodies[on_b ? first_a_ + x.i : first_b_ + body_b(x)];
+    const typename state_type::history_type::entry* found = nullptr;
+    const auto look = [&](auto& surface, std::uint32_t number) {
+      surface.each_beside(number, s_.dt * body.v.norm(), [&](system_id beside) {
+        int count = 0;
+        const auto take = [&](const auto& e) {
+          if (((e.key.feature ^ g.feature) >> 32 & 0xffff) == 0) ++count, found = &e;
+        };
+        s_.history.each_of_pair({own, beside, 0}, take);
+        s_.history.each_of_pair({beside, own, 0}, take);
+        if (count != 1 || law::is_intact(found->memory)) found = nullptr;
+        return found == nullptr;
+      });
+    };
+    on_flush_surface<ShapeA, ShapeB, paired>(s_, a_, x.i, position_a(x), b_, x.j, position_b(x), g,
+                                             look);
+    if (found == nullptr) return nullptr;
+    crossed_ = kept{};
+    static_cast<memory_type&>(crossed_) =
+        law::of_resistances(found->memory, (found->key.a == own) != on_b);
+    return &crossed_;
   }
   [[gnu::noinline]] void add_to_area(const contact_geometry& g) { area_.push_back(g); }
   /// The range beyond touch of the law for this pair: for shapes with curvatures, where they are
@@ -226,23 +265,33 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       return pair.known ? law::range(pair, 1 / curvature) : 0;
     }
   }
+  /// How far along the normal the point of the force is from the middle of the overlap: two bodies
+  /// that move share it, and beside an immovable one it is on the surface of the body that moves.
+  [[nodiscard, gnu::always_inline]] inline real depth_of_point(const body_pair& x,
+                                                               const contact_geometry& g) const {
+    const real half = real(0.5) * g.gap;
+    return !paired || b_.inverse_mass[x.j] == 0 ? half : a_.inverse_mass[x.i] == 0 ? -half : 0;
+  }
   [[gnu::always_inline]] inline pair_force add(const body_pair& x, const contact_geometry& g,
                                                const contact_key& key, bool counts,
                                                const auto& former, history_place& last) {
     const std::size_t i = x.i, j = x.j;
     soft_body& A = s_.soft.bodies[first_a_ + i];
     vec3 arm_a = g.point - position_a(x), arm_b{0, 0, 0};
-    // As for hard contacts: for immovable bodies the point is on their surface.
-    if constexpr (!paired) arm_a += (0.5 * g.gap) * g.normal;
     contact_kinematics t;
     soft_body* B = nullptr;
     if constexpr (paired) {
       B = &s_.soft.bodies[first_b_ + body_b(x)];
       arm_b = g.point - position_b(x);
+      if (A.inverse_mass == 0 || B->inverse_mass == 0) [[unlikely]] {
+        const vec3 inwards = depth_of_point(x, g) * g.normal;
+        arm_a += inwards, arm_b += inwards;
+      }
       t = kinematics_of_pair<real>(
           g.normal, g.gap, {A.v, A.w, A.inverse_mass, A.radius, A.curvature, arm_a},
           {B->v, B->w, B->inverse_mass, B->radius, B->curvature, arm_b}, s_.dt);
     } else {
+      arm_a += depth_of_point(x, g) * g.normal;
       t.normal = g.normal;
       t.gap = g.gap;
       t.velocity = A.v + A.w.cross(arm_a);
@@ -362,6 +411,7 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   Observer& observer_;
   [[no_unique_address]] std::conditional_t<passing, passing_contacts<law, kept>, none_pass>
       passing_{};
+  kept crossed_;                         ///< the springs that a contact takes from a body beside
   plain_vector<contact_geometry> area_;  ///< the contacts of a pair, if bodies are flush
 };
 

@@ -191,9 +191,17 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     const vectors centre_a = vectors_in(pa), centre_b = vectors_in(pb);
     touch_of_spheres<number> g(centre_a, wa.w, centre_b, wb.w);
     g.find_point(centre_b, wb.w);
-    const body_at_contact<number> a{vectors_in(va), vectors_in(wa), va.w,
-                                    wa.w,           real(1) / wa.w, vectors(g.point - centre_a)},
+    body_at_contact<number> a{vectors_in(va), vectors_in(wa), va.w,
+                              wa.w,           real(1) / wa.w, vectors(g.point - centre_a)},
         b{vectors_in(vb), vectors_in(wb), vb.w, wb.w, real(1) / wb.w, vectors(g.point - centre_b)};
+    if (!all_lanes(both(a.inverse_mass > real(0), b.inverse_mass > real(0)))) [[unlikely]] {
+      // Beside an immovable sphere the point is on the surface of the one that moves.
+      const number half = real(0.5) * g.gap;
+      const vectors inwards = choose(b.inverse_mass == real(0), half,
+                                     choose(a.inverse_mass == real(0), number(-half), number{})) *
+                              g.normal;
+      a.arm += inwards, b.arm += inwards;
+    }
     const auto t = kinematics_of_pair<number>(g.normal, g.gap, a, b, s_.dt);
 
     const auto moves = inverted(both(a.inverse_mass == real(0), b.inverse_mass == real(0)));
