@@ -217,6 +217,16 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
         });
       }
   }
+  static constexpr std::uint64_t part_of_union = 0x0000ffff00000000;
+  /// The bits of features that name the part of body a, or of body b.
+  [[nodiscard]] static constexpr std::uint64_t parts_of(bool a) {
+    if constexpr (is_block<ShapeA> && is_block<ShapeB>)
+      return a ? 0x3f : 0xfc0;
+    else if constexpr (is_triangulated<ShapeA> || is_triangulated<ShapeB>)
+      return 0xffff0000;
+    else
+      return a ? 0xffff : 0xffff0000;
+  }
   /// The springs of the contact of the last step that goes on here, with a fixed body beside the
   /// one it was with; null for a new contact.
   [[nodiscard, gnu::noinline]] const kept* of_body_beside(const body_pair& x,
@@ -224,16 +234,22 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     const bool on_b = !paired || b_.inverse_mass[x.j] == 0;
     const system_id own = on_b ? a_.id[x.i] : b_.id[x.j];
     const soft_body& body = s_.soft.bodies[on_b ? first_a_ + x.i : first_b_ + body_b(x)];
+    const auto of_own = parts_of(on_b);
     const typename state_type::history_type::entry* found = nullptr;
     const auto look = [&](auto& surface, std::uint32_t number) {
       surface.each_beside(number, s_.dt * body.v.norm(), [&](system_id beside) {
         int count = 0;
+        bool same = false;
         const auto take = [&](const auto& e) {
-          if (((e.key.feature ^ g.feature) >> 32 & 0xffff) == 0) ++count, found = &e;
+          const auto differ = e.key.feature ^ g.feature;
+          if ((differ & part_of_union) != 0) return;
+          if (++count == 1 || (!same && (differ & of_own) == 0)) found = &e;
+          same = same || (differ & of_own) == 0;
         };
         s_.history.each_of_pair({own, beside, 0}, take);
         s_.history.each_of_pair({beside, own, 0}, take);
-        if (count != 1 || law::is_intact(found->memory)) found = nullptr;
+        const bool round = on_b ? ShapeA::isotropic : ShapeB::isotropic;
+        if (count == 0 || (round && count > 1) || law::is_intact(found->memory)) found = nullptr;
         return found == nullptr;
       });
     };
@@ -265,8 +281,8 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       return pair.known ? law::range(pair, 1 / curvature) : 0;
     }
   }
-  /// How far along the normal the point of the force is from the middle of the overlap: two bodies
-  /// that move share it, and beside an immovable one it is on the surface of the body that moves.
+  /// How far along the normal the point of the force is from the middle of the overlap. Two bodies
+  /// that move share that point; beside an immovable one each has a point on its own surface.
   [[nodiscard, gnu::always_inline]] inline real depth_of_point(const body_pair& x,
                                                                const contact_geometry& g) const {
     const real half = real(0.5) * g.gap;
@@ -284,14 +300,14 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       B = &s_.soft.bodies[first_b_ + body_b(x)];
       arm_b = g.point - position_b(x);
       if (A.inverse_mass == 0 || B->inverse_mass == 0) [[unlikely]] {
-        const vec3 inwards = depth_of_point(x, g) * g.normal;
-        arm_a += inwards, arm_b += inwards;
+        const vec3 half = (real(0.5) * g.gap) * g.normal;
+        arm_a += half, arm_b -= half;
       }
       t = kinematics_of_pair<real>(
           g.normal, g.gap, {A.v, A.w, A.inverse_mass, A.radius, A.curvature, arm_a},
           {B->v, B->w, B->inverse_mass, B->radius, B->curvature, arm_b}, s_.dt);
     } else {
-      arm_a += depth_of_point(x, g) * g.normal;
+      arm_a += (real(0.5) * g.gap) * g.normal;
       t.normal = g.normal;
       t.gap = g.gap;
       t.velocity = A.v + A.w.cross(arm_a);

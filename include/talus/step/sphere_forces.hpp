@@ -195,12 +195,10 @@ class sphere_forces : shape_pairs<Scenario, sphere, sphere, partner::moving> {
                               wa.w,           real(1) / wa.w, vectors(g.point - centre_a)},
         b{vectors_in(vb), vectors_in(wb), vb.w, wb.w, real(1) / wb.w, vectors(g.point - centre_b)};
     if (!all_lanes(both(a.inverse_mass > real(0), b.inverse_mass > real(0)))) [[unlikely]] {
-      // Beside an immovable sphere the point is on the surface of the one that moves.
-      const number half = real(0.5) * g.gap;
-      const vectors inwards = choose(b.inverse_mass == real(0), half,
-                                     choose(a.inverse_mass == real(0), number(-half), number{})) *
-                              g.normal;
-      a.arm += inwards, b.arm += inwards;
+      // Beside an immovable sphere each has its point on its own surface.
+      const auto fixed = inverted(both(a.inverse_mass > real(0), b.inverse_mass > real(0)));
+      const vectors half = choose(fixed, number(real(0.5) * g.gap), number{}) * g.normal;
+      a.arm += half, b.arm -= half;
     }
     const auto t = kinematics_of_pair<number>(g.normal, g.gap, a, b, s_.dt);
 
