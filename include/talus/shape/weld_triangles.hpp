@@ -150,6 +150,11 @@ class triangle_welder {
       }
     return users;
   }
+  /// A triangle with the corners on each of its edges, from corner k to the next.
+  struct part {
+    corners face;
+    std::array<plain_vector<std::uint32_t>, 3> on;
+  };
   /// Divides the triangles of open edges on which other corners of open edges lie.
   void divide_edges() {
     std::map<edge, plain_vector<std::uint32_t>> on_edge;
@@ -174,13 +179,23 @@ class triangle_welder {
       for (const std::uint32_t v : list) report_.joined.push_back(points[v]);
     }
     if (!any) return;
-    plain_vector<corners> waiting = std::move(faces);
+    std::vector<part> waiting;
+    const plain_vector<corners> given = std::move(faces);
     faces.clear();
-    std::reverse(waiting.begin(), waiting.end());
-    while (!waiting.empty()) {
-      const corners f = waiting.back();
-      waiting.pop_back();
-      if (!divide(f, on_edge, waiting)) keep(f);
+    for (const corners& f : given) {
+      waiting.push_back({f, {}});
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = f[k], b = f[(k + 1) % 3];
+        const auto at = on_edge.find({std::min(a, b), std::max(a, b)});
+        if (at == on_edge.end()) continue;
+        auto& on = waiting.back().on[k] = at->second;
+        if (b < a) std::reverse(on.begin(), on.end());
+      }
+      while (!waiting.empty()) {
+        const part p = std::move(waiting.back());
+        waiting.pop_back();
+        if (!divide(p, waiting)) keep(p.face);
+      }
     }
   }
   void find_on_edge(const edge& e, const std::array<plain_vector<std::uint32_t>, 3>& along,
@@ -211,26 +226,22 @@ class triangle_welder {
               [](const auto& p, const auto& q) { return p.first < q.first; });
     for (const auto& p : places) found.push_back(p.second);
   }
-  /// Puts the two parts of a triangle with a corner on one of its edges on the list.
-  static bool divide(const corners& f, std::map<edge, plain_vector<std::uint32_t>>& on_edge,
-                     plain_vector<corners>& waiting) {
+  /// Puts the two parts of a triangle with a corner on one of its edges on the list. The edge
+  /// between them is not divided again, so that this ends whatever lies there.
+  static bool divide(const part& p, std::vector<part>& waiting) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = f[k], b = f[(k + 1) % 3], c = f[(k + 2) % 3];
-      const auto at = on_edge.find({std::min(a, b), std::max(a, b)});
-      if (at == on_edge.end() || at->second.empty()) continue;
-      const edge e = at->first;
-      const plain_vector<std::uint32_t> list = at->second;
-      const std::size_t middle = list.size() / 2;
-      const std::uint32_t v = list[middle];
+      const std::uint32_t a = p.face[k], b = p.face[(k + 1) % 3], c = p.face[(k + 2) % 3];
+      const auto& on = p.on[k];
+      if (on.empty()) continue;
+      // (Both triangles of an edge divide it in the same order.)
+      const std::size_t middle = a < b ? on.size() / 2 : on.size() - 1 - on.size() / 2;
+      const std::uint32_t v = on[middle];
       if (v == c) continue;
-      const auto put = [&](std::uint32_t from, std::uint32_t to, std::size_t n, std::size_t end) {
-        auto& part = on_edge[{std::min(from, to), std::max(from, to)}];
-        part.clear();
-        for (; n < end; ++n) part.push_back(list[n]);
-        if (to < from) std::reverse(part.begin(), part.end());
-      };
-      put(e.first, v, 0, middle), put(v, e.second, middle + 1, list.size());
-      waiting.push_back({v, b, c}), waiting.push_back({a, v, c});
+      part left{{a, v, c}, {}}, right{{v, b, c}, {}};
+      left.on[2] = p.on[(k + 2) % 3], right.on[1] = p.on[(k + 1) % 3];
+      for (std::size_t n = 0; n < on.size(); ++n)
+        if (n != middle) (n < middle ? left : right).on[0].push_back(on[n]);
+      waiting.push_back(std::move(right)), waiting.push_back(std::move(left));
       return true;
     }
     return false;

@@ -1,0 +1,71 @@
+// STL files as programs write them, with faults in their triangles or words.
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <talus/mesh.hpp>
+#include <vector>
+
+#include "../landscape.hpp"
+
+using namespace talus;
+
+namespace {
+
+using triangle = triangle_mesh::triangle;
+
+std::string text_of(const std::vector<triangle>& all, const std::string& title) {
+  std::string text = "solid " + title + "\n";
+  for (const triangle& t : all) {
+    text += "facet normal 0 0 1\nouter loop\n";
+    for (const vec3& v : t) {
+      std::array<char, 100> line;
+      std::snprintf(line.data(), line.size(), "vertex %.17g %.17g %.17g\n", v[0], v[1], v[2]);
+      text += line.data();
+    }
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid " + title + "\n";
+}
+/// The surface in a file of this content.
+triangle_mesh surface(const std::string& content, surface_report* report = nullptr) {
+  const std::string file = "/tmp/talus_io_stl_" + std::to_string(getpid()) + ".stl";
+  std::ofstream(file, std::ios::binary) << content;
+  try {
+    const triangle_mesh m = read_stl(file, 1, report);
+    std::remove(file.c_str());
+    return m;
+  } catch (...) {
+    std::remove(file.c_str());
+    throw;
+  }
+}
+std::vector<triangle> sheet(int n) {
+  return landscape(n, 2, [](real, real) { return 0; });
+}
+
+}  // namespace
+
+TEST_CASE("corners near to each other and to edges divide these a finite number of times") {
+  std::mt19937 random(1);
+  for (const real noise : {3e-7, 6e-7, 1e-6, 2e-6, 5e-6}) {
+    std::uniform_real_distribution<real> in(-noise, noise);
+    for (int k = 0; k < 20; ++k) {
+      auto all = sheet(12);
+      for (triangle& t : all)
+        for (vec3& v : t) v += vec3(in(random), in(random), in(random));
+      CAPTURE(noise);
+      CAPTURE(k);
+      surface_report report;
+      const triangle_mesh m = surface(text_of(all, "noise"), &report);
+      CHECK(m.triangles() < 5 * all.size());
+      CHECK(m.volume() == doctest::Approx(4).epsilon(1e-4));
+      CHECK(report.joined.size() < 5 * all.size());
+    }
+  }
+}
