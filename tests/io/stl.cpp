@@ -69,3 +69,31 @@ TEST_CASE("corners near to each other and to edges divide these a finite number 
     }
   }
 }
+
+TEST_CASE("triangles without an area do not change the tolerance of a surface, wherever they are") {
+  const auto given = sheet(4);
+  const vec3 ways[] = {{1, 0, 0}, {1, 0.1, 0.3}, {0.7, -0.3, 0.11}};
+  for (const real far : {3.0, 1e3, 1e6, 1e9})
+    for (const vec3& way : ways)
+      for (const auto& [a, b, c] :
+           {std::array{1.0, 1.0, 1.0}, {1.0, 1.0, 1.1}, {1.0, 1.05, 1.1}, {-1.3, 1.1, 0.7}}) {
+        const vec3 at = far * way;
+        CAPTURE(far);
+        CAPTURE(b);
+        auto all = given;
+        all.insert(all.begin() + 7, triangle{vec3(a * at), vec3(b * at), vec3(c * at)});
+        surface_report report;
+        const triangle_mesh m = surface(text_of(all, "null"), &report);
+        CHECK(m == triangle_mesh(given));
+        CHECK(report.without_area == 1);
+        CHECK(report.open_edges.size() == 16);
+        CHECK((placed(m).position - vec3(0, 0, 0)).norm() == 0);
+      }
+  // A part far from the origin, at which other programs put triangles that they have removed.
+  auto all = given;
+  for (triangle& t : all)
+    for (vec3& v : t) v += vec3(1e6, 2e6, 0);
+  const triangle_mesh alone(all);
+  all.push_back({vec3(0, 0, 0), vec3(0, 0, 0), vec3(0, 0, 0)});
+  CHECK(surface(text_of(all, "part")) == alone);
+}

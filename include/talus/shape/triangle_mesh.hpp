@@ -118,7 +118,7 @@ class triangle_mesh {
     constexpr real infinity = std::numeric_limits<real>::infinity();
     vec3 lower(infinity, infinity, infinity), upper = -lower;
     for (const triangle& t : triangles)
-      if (detail::triangle_tree::twice_area(t[0], t[1], t[2]).norm() > 0)
+      if (!detail::is_line(t[0], t[1], t[2]))
         for (const vec3& v : t) lower = lower.cwiseMin(v), upper = upper.cwiseMax(v);
     if (!(lower[0] <= upper[0])) return {0, 0, 0};
     return lower + real(0.5) * (upper - lower);
@@ -134,7 +134,8 @@ class triangle_mesh {
     const vec3 centre = centre_of(triangles);
     real radius = 0;
     for (const triangle& t : triangles)
-      for (const vec3& v : t) radius = std::max(radius, (v - centre).norm());
+      if (!detail::is_line(t[0], t[1], t[2]))
+        for (const vec3& v : t) radius = std::max(radius, (v - centre).norm());
     // Squares of areas are numbers up to there.
     if (!(radius < real(1e70)))
       detail::fail<std::invalid_argument>(
@@ -147,7 +148,11 @@ class triangle_mesh {
     found = {};
     detail::triangle_welder welder(radius, found);
     if (radius > real(1e-70)) {
-      for (const triangle& t : triangles) welder.add({t[0] - centre, t[1] - centre, t[2] - centre});
+      for (const triangle& t : triangles)
+        if (detail::is_line(t[0], t[1], t[2]))
+          ++found.without_area;
+        else
+          welder.add({t[0] - centre, t[1] - centre, t[2] - centre});
       welder.finish();
     }
     found.levelled = detail::triangle_leveller(welder.points, welder.faces,

@@ -52,6 +52,14 @@ namespace detail {
 /// round-off of numbers in single precision.
 inline constexpr real weld_part = 1e-6;
 
+/// Whether the corners of a triangle coincide or lie in a line, but for a part of its longest edge.
+/// Files have such triangles at any place: they must not determine the size of the surface.
+[[nodiscard]] inline bool is_line(const vec3& a, const vec3& b, const vec3& c) {
+  const real longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+  return longest == 0 ||
+         triangle_tree::twice_area(a, b, c).norm() / longest <= real(0.5) * weld_part * longest;
+}
+
 class triangle_welder {
   using corners = triangle_tree::corners;
   using edge = std::pair<std::uint32_t, std::uint32_t>;
