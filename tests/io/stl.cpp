@@ -97,3 +97,29 @@ TEST_CASE("triangles without an area do not change the tolerance of a surface, w
   all.push_back({vec3(0, 0, 0), vec3(0, 0, 0), vec3(0, 0, 0)});
   CHECK(surface(text_of(all, "part")) == alone);
 }
+
+TEST_CASE("a text of several solids of which the last is cut off is refused") {
+  auto beside = sheet(2);
+  for (triangle& t : beside)
+    for (vec3& v : t) v += vec3(5, 0, 0);
+  const std::string one = text_of(sheet(1), "one"), two = text_of(beside, "two");
+  CHECK(surface(one + two).triangles() == 10);
+  for (const char* const cut : {"endsolid", "facet normal", "outer", "endfacet", "endloop"}) {
+    const std::string part = one + two.substr(0, two.rfind(cut));
+    CAPTURE(cut);
+    CHECK_THROWS_WITH(surface(part), doctest::Contains("ends without 'endsolid': it was cut off"));
+  }
+  CHECK_THROWS_WITH(surface(one + "solid two\n"), doctest::Contains("it was cut off"));
+  std::string without = one;
+  without.erase(without.rfind("endfacet"), 8);
+  CHECK_THROWS_WITH(surface(without), doctest::Contains("has no 'endfacet'"));
+}
+
+TEST_CASE("the title of a text may have any words") {
+  const triangle_mesh given(sheet(2));
+  for (const char* const title :
+       {"facet of a vertex", "endfacet of endsolid", "solid solid", "a facet", "vertex 1 2 x"}) {
+    CAPTURE(title);
+    CHECK(surface(text_of(sheet(2), title)) == given);
+  }
+}

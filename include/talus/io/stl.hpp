@@ -67,19 +67,28 @@ class stl_words {
   std::size_t at_ = 0, line_ = 1;
 };
 
-/// What stands before the first facet, such as a title or remarks, is left out. Throws
+/// What stands before a facet, such as a title or remarks, is left out, and so is the title behind
+/// 'solid' or 'endsolid', whatever its words, up to the end of its line or 'facet normal'. Throws
 /// runtime_error, with the number of the line, for an invalid number.
 [[nodiscard]] inline std::vector<triangle_mesh::triangle> triangles_of_text_stl(
     const std::string& text, const std::string& file) {
   std::vector<triangle_mesh::triangle> triangles;
   std::vector<vec3> corners;
   bool inside = false, ended = false;
+  std::size_t title = 0;  // its line
   stl_words words(text);
-  for (std::string word = words.next(); !word.empty(); word = words.next()) {
-    if (word == "facet") {
-      inside = true;
-    } else if (word == "endsolid") {
-      ended = true;
+  std::string last;
+  for (std::string word = words.next(); !word.empty(); last = word, word = words.next()) {
+    const bool in_title = words.line() == title;
+    if (in_title ? last == "facet" && word == "normal" : word == "facet") {
+      inside = true, ended = false, title = 0;
+    } else if (in_title) {
+      continue;
+    } else if (word == "solid" || word == "endsolid") {
+      if (inside)
+        fail<std::runtime_error>("the facet before line {} of the STL file {} has no 'endfacet'",
+                                 words.line(), file);
+      ended = word == "endsolid", title = words.line();
     } else if (inside && word == "vertex") {
       const std::size_t line = words.line();
       vec3 v;
