@@ -2,8 +2,9 @@
 
 python3 benchmarks/dosta/silo.py STATE WALLS LIP SOFTNESS DT STEPS   prints time and spheres above the lip
 
-STATE is what the example silo writes with --settled; spheres are of M1.
+STATE is the table that the example silo writes with --settled; spheres are of M1.
 """
+import csv
 import os
 import sys
 import tempfile
@@ -11,6 +12,7 @@ import tempfile
 import contact
 import drum
 
+RADIUS = 0.002
 LIGGGHTS = """units si
 hard_particles yes
 soft_particles yes
@@ -41,19 +43,23 @@ def main():
     state, walls = sys.argv[1:3]
     lip, softness, dt = (float(word) for word in sys.argv[3:6])
     steps = int(sys.argv[6])
-    with open(state) as file:
-        rows = [line.split() for line in file]
-    top = max(float(row[3]) for row in rows)
+    with open(state, newline="") as file:
+        table = [{name.split()[0]: value for name, value in row.items()} for row in csv.DictReader(file)]
+    spheres = [row for row in table if row["shape"] == "sphere"]
+    top = max(float(row["position_z"]) for row in spheres)
+
+    def vectors(row, *names):
+        return " ".join(row[f"{name}_{axis}"] for name in names for axis in "xyz")
     with tempfile.TemporaryDirectory() as folder:
         drum.write_stl(walls, os.path.join(folder, "wall.stl"))
         with open(os.path.join(folder, "bodies.data"), "w") as file:
-            file.write(f"silo\n\n{len(rows)} atoms\n3 atom types\n-0.105 0.105 xlo xhi\n"
+            file.write(f"silo\n\n{len(spheres)} atoms\n3 atom types\n-0.105 0.105 xlo xhi\n"
                        f"-0.105 0.105 ylo yhi\n{lip - 0.02!r} {max(top + 0.01, 1.0)!r} zlo zhi\n\nAtoms\n\n")
-            for n, row in enumerate(rows, 1):
-                file.write(f"{n} 1 {2 * float(row[0])!r} 2500 {' '.join(row[1:4])}\n")
+            for n, row in enumerate(spheres, 1):
+                file.write(f"{n} 1 {2 * RADIUS!r} 2500 {vectors(row, 'position')}\n")
             file.write("\nVelocities\n\n")
-            for n, row in enumerate(rows, 1):
-                file.write(f"{n} {' '.join(row[4:])}\n")
+            for n, row in enumerate(spheres, 1):
+                file.write(f"{n} {vectors(row, 'velocity', 'angular_velocity')}\n")
         text = LIGGGHTS.format(folder=folder, properties=contact.liggghts_properties(softness), dt=dt,
                                steps=steps, every=round(0.01 / dt))
         contact.execute("liggghts", text, folder)

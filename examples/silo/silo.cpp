@@ -4,6 +4,7 @@
 #include <talus/checkpoint.hpp>
 #include <talus/mesh.hpp>
 #include <talus/mpi.hpp>
+#include <talus/observe/tables.hpp>
 
 #include "../../benchmarks/dosta.hpp"
 using namespace talus;
@@ -17,7 +18,7 @@ struct silo_options : options {
   int spheres = 700;
   double softness = 1000, orifice = 0.012, settling = 0.2;
   bool m2 = false;
-  std::string walls, curve, settled;
+  std::string walls, settled;
 
   silo_options() { steps = 8000, dt = 4e-5; }
   void describe(auto& line) {
@@ -28,8 +29,7 @@ struct silo_options : options {
     line.add("--settling", settling, "seconds before the orifice opens", 0.0, 10.0);
     line.add("--m2", m2, "spheres of the second material, not of the first one");
     line.add("--walls", walls, "file of the triangles of the silo");
-    line.add("--curve", curve, "file for time and number of spheres above the lip");
-    line.add("--settled", settled, "file for the spheres of rank 0 when the orifice opens");
+    line.add("--settled", settled, "table of the spheres when the orifice opens");
   }
 };
 
@@ -93,15 +93,7 @@ int main(int argc, char** argv) {
 
     // What looks at the settled bodies is done once: a restart in the second stage has its values.
     world.once("settled", [&] {
-      if (options.settled.empty() || world.link().rank() != 0) return;
-      std::ofstream out(options.settled);
-      out.precision(17);
-      world.for_each_local([&](const auto& b) {
-        out << bead;
-        for (const vec3& x : {b.position(), b.velocity(), b.angular_velocity()})
-          out << " " << x[0] << " " << x[1] << " " << x[2];
-        out << "\n";
-      });
+      if (!options.settled.empty()) body_table(world).write_csv(options.settled);
     });
 
     // Spheres above the lip, and those in a slice of the cylinder or of the cone, for their
@@ -122,8 +114,6 @@ int main(int argc, char** argv) {
     const double in_cone = world.once("in cone", [&] { return above(low, high); });
     const double bulk = mass * in_cone / (pi / 3 * (cubed(high) - cubed(low)));
     const double filled = world.once("filled", [&] { return above(lip, far); });
-    std::ofstream curve;
-    if (!options.curve.empty() && world.link().rank() == 0) curve.open(options.curve);
     std::array<double, 2> quarters{};  // times at which a fifth and two fifths have run out
     world.keep("quarters", quarters);
     const auto every = static_cast<std::uint64_t>(std::max(1.0, std::round(2e-3 / options.dt)));
@@ -134,7 +124,7 @@ int main(int argc, char** argv) {
       for (std::size_t k = 0; k < 2; ++k)
         if (quarters[k] == 0 && left <= (0.8 - 0.2 * static_cast<double>(k)) * filled)
           quarters[k] = time;
-      if (curve.is_open()) curve << time << " " << left << std::endl;
+      world.record("above_the_lip", left);
     });
     world.simulate({.steps = options.steps, .dt = options.dt});
     const bool measured = quarters[1] > quarters[0] && quarters[0] > 0;

@@ -8,3 +8,8 @@ add_example_test(m2 ARGS --quiet --m2 CHECK ${flows} "mass_flow_rate_over_beverl
 # A restart in the second stage has what was measured between the stages.
 add_same_bits_test(stages RESTART STEPS 1000 ARGS --spheres 200 --settling 0.04
                    RESULTS filled bulk_density RUNS "--ranks 1" "--ranks 2")
+
+add_test(NAME example_silo_tables COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/silo/tables_test.sh
+                                          $<TARGET_FILE:example_silo>)
+set_tests_properties(example_silo_tables PROPERTIES TIMEOUT 300 LABELS example
+                                                    ENVIRONMENT "${TALUS_MPI_ENVIRONMENT}")
