@@ -43,6 +43,38 @@ nothing_left() {
   [[ -z $left ]] || fail "$left is left behind"
 }
 
+# A disk that says only when a file is closed that it is full, as network disks do: earlier files stay.
+late_disk() {
+  cat >late.c <<'END'
+#define _GNU_SOURCE
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+int close(int f) {
+  char link[64], path[4096] = "";
+  snprintf(link, sizeof link, "/proc/self/fd/%d", f);
+  if (readlink(link, path, sizeof path - 1) < 0) path[0] = 0;
+  const int code = (int)syscall(SYS_close, f);
+  const char* const name = strstr(path, "/late.file");
+  if (code != 0 || name == NULL || (name[10] != 0 && strncmp(name + 10, ".part-", 6) != 0)) return code;
+  errno = ENOSPC;
+  return -1;
+}
+END
+  cc -shared -fPIC -o close.so late.c 2>out || { echo "no disk to pretend: $(cat out)"; return 0; }
+  local option
+  for option in --json --csv; do
+    "$program" --quiet --steps 5 "$option" late.file
+    cp late.file late_before
+    expect 1 'cannot be written: there is no room' -- \
+      env LD_PRELOAD="$PWD/close.so" "$program" --quiet --steps 7 "$option" late.file
+    cmp late_before late.file || fail "a file of $option is replaced by one that may be incomplete"
+    rm late.file
+  done
+}
+
 # What takes no more ends no run without its files or without a word.
 full() {
   local words code
@@ -83,6 +115,7 @@ full() {
   (ulimit -f 0; "$program" --quiet --steps 5 --csv o.csv 2>&1 || true) | cat >out
   grep -qF 'the time series o.csv (--csv) cannot be written: ' out || { cat out; fail "nothing says that o.csv cannot be written"; }
   cmp before o.csv || fail "a table is replaced by nothing"
+  late_disk
   # What MPI shares between processes lies in a file, too.
   expect 1 'MPI cannot share memory between processes' '(ulimit -f): raise that limit' -- \
     "${launch[@]}" bash -c 'ulimit -f 4; exec "$0" --quiet --steps 5' "$program"

@@ -131,14 +131,14 @@ TALUS_INLINE part_file::~part_file() {
 }
 
 TALUS_INLINE bool part_file::rename_to(const std::string& path) {
-  const int copy = ::dup(id_);  // closing it tells what writing did not, as on NFS
-  if (copy < 0 || ::close(copy) != 0 || ::rename(name_.c_str(), path.c_str()) != 0) return false;
-  ::close(std::exchange(id_, -1));
-  return true;
+  const int id = rename_and_keep(path);
+  if (id >= 0) ::close(id);
+  return id >= 0;
 }
 
 TALUS_INLINE int part_file::rename_and_keep(const std::string& path) {
-  if (::rename(name_.c_str(), path.c_str()) != 0) return -1;
+  const int copy = ::dup(id_);  // closing it tells what writing did not, as on NFS
+  if (copy < 0 || ::close(copy) != 0 || ::rename(name_.c_str(), path.c_str()) != 0) return -1;
   return std::exchange(id_, -1);
 }
 
