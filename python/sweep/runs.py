@@ -10,6 +10,7 @@
 A run with neither done.json nor failed.json was interrupted, and begins anew.
 """
 import ctypes
+import errno
 import fcntl
 import hashlib
 import json
@@ -19,6 +20,7 @@ import re
 import shlex
 import shutil
 import signal
+import stat
 import subprocess
 import time
 
@@ -30,12 +32,26 @@ OUT_OF_TIME = 75  # exit code of a program that its --time-limit has ended
 KEPT = {"lock"}
 
 
+def require_replaceable(path):
+    """Raises OSError, with the path, if there is something else than a file."""
+    try:
+        mode = os.lstat(path).st_mode
+    except OSError:
+        return  # absent, or writing it will fail
+    if stat.S_ISLNK(mode):
+        raise OSError(errno.EEXIST, f"this is a symbolic link to {os.readlink(path)}, which a file must not replace", str(path))
+    if not stat.S_ISREG(mode):
+        raise OSError(errno.EEXIST, "this is a folder, a device, a pipe or a socket, which a file must not replace", str(path))
+
+
 def write_whole(path, text):
     """The file has its old content or the new one, whenever the process or the machine stops. Raises OSError, with the path.
     The new file is locked until it has its name: what a killed process has left is not."""
+    require_replaceable(path)
     new = path.with_name(f"{path.name}.{os.getpid()}.new")
     try:
-        with open(new, "w") as file:
+        new.unlink(missing_ok=True)  # a killed process had the same number
+        with open(new, "x") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
             file.write(text)
             file.flush()

@@ -243,6 +243,28 @@ class Sweeps(unittest.TestCase):
         self.assertEqual([r["status"] for r in self.rows()], ["done", "done"])
         self.assertEqual(len(self.started()), 3)
 
+    def test_links_and_pipes_in_the_place_of_its_files_are_not_replaced(self):
+        words = ["--vary", "friction=0.2,0.4"]
+        self.sweep(*words)
+        mine = self.work / "mine"
+        for name in ("table.csv", "runs.txt", "sweep.json"):
+            file = self.work / "out" / name
+            text = file.read_text()
+            mine.write_text(text)
+            file.unlink()
+            file.symlink_to(mine)
+            self.assertIn(f"{file}: this is a symbolic link to {mine}, which a file must not replace; ", self.sweep(*words, code=1))
+            self.assertEqual((file.is_symlink(), mine.read_text()), (True, text))
+            file.unlink()
+            if name != "sweep.json":  # that is read, too
+                os.mkfifo(file)
+                self.assertIn(f"{file}: this is a folder, a device, a pipe", self.sweep(*words, code=1))
+                self.assertTrue(file.is_fifo())
+                file.unlink()
+            file.write_text(text)
+        self.sweep(*words)
+        self.assertEqual(len(self.started()), 2)
+
     def test_progress_that_cannot_be_written_ends_no_sweep(self):
         words = ["--vary", "friction=0.2,0.4"]
         with open("/dev/full", "w") as full:
