@@ -1,8 +1,10 @@
 // Shapes of one's own that are known by their support functions alone rest on their flat sides.
 #include <doctest/doctest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <string>
+#include <talus/checkpoint.hpp>
 #include <talus/mesh.hpp>
 #include <talus/observe/digest.hpp>
 #include <talus/parallel/grid.hpp>
@@ -14,6 +16,7 @@
 #include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/each_contact.hpp>
 #include <talus/world/world.hpp>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -243,41 +246,56 @@ TEST_CASE("stacks stand whose flat sides their support functions alone have") {
       });
 }
 
-TEST_CASE("bodies with flat sides move alike on any ranks") {
-  using alike = scenario<bodies<tablet, smoothed, box, plane>, solver<reproducible>,
-                         decomposition<grid<dynamic, dynamic>>, transport<threads>>;
-  std::string expected;
-  for (const int ranks : {1, 4}) {
+TEST_CASE("bodies with flat sides move alike on any ranks and after a restart") {
+  using alike =
+      scenario<bodies<tablet, smoothed, box, plane>, solver<reproducible>,
+               decomposition<grid<dynamic, dynamic>>, transport<threads>, features<checkpoints>>;
+  const std::string file = "/tmp/talus_flat_sides_" + std::to_string(getpid()) + ".h5";
+  constexpr int restart = 450;  // while they fall, roll and come to rest
+  /// The digest at the end; at the restart the state is read from the file, or written to it.
+  const auto move = [&](int ranks, bool restarts, int steps) {
     std::string digest;
     threads::launch({.ranks = ranks}, [&](auto& link) {
       world<alike> w(link);
-      const int across = ranks > 1 ? 2 : 1;
-      w.decompose({.cells = {across, across}, .lower = {-3, -3}, .upper = {3, 3}});
+      const int across = ranks > 2 ? 2 : 1;
+      w.decompose({.cells = {ranks / across, across}, .lower = {-3, -3}, .upper = {3, 3}});
       w.gravity({0, 0, -9.81});
       const auto m = w.material({.density = 2, .restitution = 0, .friction = 0.3});
       w.global([&](auto& s) {
         s.add(plane{}, m);
         s.add(body{.shape = box{{2, 2, 1}}, .position = {0.3, 0.2, 0.5}, .material = m});
       });
-      w.fill(simple_cubic{.spacing = 1.1} & box_region{{-2, -2, 1.8}, {2, 2, 5}},
-             [&](const site& place,
-                 random_stream& random) -> std::variant<body<tablet>, body<smoothed>> {
-               const quat turn = random.rotation();
-               if (random.integer(2) == 0)
-                 return body{.shape = tablet{0.5, 0.2},
+      if (restarts)
+        read_checkpoint(w, file);
+      else
+        w.fill(simple_cubic{.spacing = 1.1} & box_region{{-2, -2, 1.8}, {2, 2, 5}},
+               [&](const site& place,
+                   random_stream& random) -> std::variant<body<tablet>, body<smoothed>> {
+                 const quat turn = random.rotation();
+                 if (random.integer(2) == 0)
+                   return body{.shape = tablet{0.5, 0.2},
+                               .position = place.position,
+                               .material = m,
+                               .orientation = turn};
+                 return body{.shape = smoothed{0.7, 0.05},
                              .position = place.position,
                              .material = m,
                              .orientation = turn};
-               return body{.shape = smoothed{0.7, 0.05},
-                           .position = place.position,
-                           .material = m,
-                           .orientation = turn};
-             });
-      for (int k = 0; k < 700; ++k) w.step(1. / 400);
+               });
+      for (int k = 0; k < steps; ++k) w.step(1. / 400);
+      if (steps == restart) write_checkpoint(w, file);
       const std::string of_all = state_digest(w);
       if (link.rank() == 0) digest = of_all;
     });
-    if (expected.empty()) expected = digest;
-    CHECK(digest == expected);
+    return digest;
+  };
+  const std::string expected = move(1, false, 700);
+  CHECK(move(4, false, 700) == expected);
+  for (const auto& [before, after] : {std::pair{1, 4}, {4, 2}, {2, 1}}) {
+    CAPTURE(before);
+    CAPTURE(after);
+    move(before, false, restart);
+    CHECK(move(after, true, 700 - restart) == expected);
   }
+  unlink(file.c_str());
 }
