@@ -118,8 +118,20 @@ TEST_CASE("a text of several solids of which the last is cut off is refused") {
 TEST_CASE("the title of a text may have any words") {
   const triangle_mesh given(sheet(2));
   for (const char* const title :
-       {"facet of a vertex", "endfacet of endsolid", "solid solid", "a facet", "vertex 1 2 x"}) {
+       {"facet of a vertex", "endfacet of endsolid", "solid solid", "a facet", "vertex 1 2 x",
+        "facet normal", "facet normal to solid"}) {
     CAPTURE(title);
     CHECK(surface(text_of(sheet(2), title)) == given);
+  }
+}
+
+TEST_CASE("a remark with the word solid begins no solid") {
+  const triangle_mesh given(sheet(2));
+  const std::string text = text_of(sheet(2), "one");
+  for (const char* const remark :
+       {"# end of solid one\n", "; made by a solid modeller", "a solid"}) {
+    CAPTURE(remark);
+    CHECK(surface(text + remark) == given);
+    CHECK(surface(remark + ("\n" + text)) == given);
   }
 }

@@ -67,24 +67,34 @@ class stl_words {
   std::size_t at_ = 0, line_ = 1;
 };
 
+/// Whether the next word is a number.
+[[nodiscard]] inline bool is_number_next(stl_words words) {
+  const std::string word = words.next();
+  char* end = nullptr;
+  (void)std::strtod(word.c_str(), &end);
+  return !word.empty() && *end == 0;
+}
+
 /// What stands before a facet, such as a title or remarks, is left out, and so is the title behind
-/// 'solid' or 'endsolid', whatever its words, up to the end of its line or 'facet normal'. Throws
-/// runtime_error, with the number of the line, for an invalid number.
+/// 'solid', at the beginning of a line, or 'endsolid', whatever its words, up to the end of its
+/// line or 'facet normal' with a number. Throws runtime_error, with the number of the line, for an
+/// invalid number.
 [[nodiscard]] inline std::vector<triangle_mesh::triangle> triangles_of_text_stl(
     const std::string& text, const std::string& file) {
   std::vector<triangle_mesh::triangle> triangles;
   std::vector<vec3> corners;
   bool inside = false, ended = false;
-  std::size_t title = 0;  // its line
+  std::size_t title = 0, line_before = 0;  // their lines
   stl_words words(text);
   std::string last;
   for (std::string word = words.next(); !word.empty(); last = word, word = words.next()) {
-    const bool in_title = words.line() == title;
-    if (in_title ? last == "facet" && word == "normal" : word == "facet") {
+    const bool in_title = words.line() == title, first = words.line() != line_before;
+    line_before = words.line();
+    if (in_title ? last == "facet" && word == "normal" && is_number_next(words) : word == "facet") {
       inside = true, ended = false, title = 0;
     } else if (in_title) {
       continue;
-    } else if (word == "solid" || word == "endsolid") {
+    } else if ((word == "solid" && first) || word == "endsolid") {
       if (inside)
         fail<std::runtime_error>("the facet before line {} of the STL file {} has no 'endfacet'",
                                  words.line(), file);
