@@ -153,6 +153,46 @@ TEST_CASE("bodies that resist rolling roll over seams as on one body") {
       0);
 }
 
+TEST_CASE("a sphere that stays keeps its springs while a seam passes below it") {
+  using belt_scene =
+      scenario<bodies<sphere, box>,
+               soft_contact<linear_spring_dashpot, coulomb_friction, rolling_resistance>,
+               transport<serial>, features<driven>>;
+  const auto roll = [](int tiles, bool moves) {
+    serial::link link;
+    world<belt_scene> w(link);
+    w.gravity({0, 0, -g});
+    w.material({.density = 1000,
+                .restitution = 0.5,
+                .friction = 0.5,
+                .stiffness = stiffness,
+                .rolling_friction = 0.1});
+    for (int k = 0; k < tiles; ++k) {
+      handle<box> tile;
+      w.global([&](auto& scope) {
+        tile = scope.add(body<box>{.shape = box{{2.0 / tiles, 2, 0.2}},
+                                   .position = {(2 * k + 1.0) / tiles - 1, 0, -0.1}});
+      });
+      if (moves) w.drive(tile, gliding{{0.3, 0, 0}});
+    }
+    const real v = moves ? 0 : 0.5, spin = (v - (moves ? 0.3 : 0)) / R;
+    const auto h = w.add(body{.shape = sphere{R},
+                              .position = {moves ? 0.003 : -0.02, 0.002, R - 1e-5},
+                              .velocity = {v, 0, 0},
+                              .angular_velocity = {0, spin, 0}});
+    // Steps that are shorter than the last one, too.
+    for (int k = 0; k < (moves ? 300 : 1000); ++k) w.step(moves || k % 2 == 1 ? 1e-4 : 2e-5);
+    return std::pair(vec3(w[h].position()), vec3(w[h].angular_velocity()));
+  };
+  for (const bool moves : {true, false}) {
+    CAPTURE(moves);
+    const auto [there, spin] = roll(1, moves);
+    const auto [at, turns] = roll(2, moves);
+    CHECK((at - there).norm() < 1e-9 * R);
+    CHECK((turns - spin).norm() < 1e-9 * spin.norm());
+  }
+}
+
 TEST_CASE("a box of soft contacts stands on flush bodies as on one body") {
   auto floors = soft_floors();
   floors.push_back([](auto& w) {

@@ -115,6 +115,15 @@ template <class Solid>
     return beside::apart;
   return solid.support(n) - n.dot(p) <= tolerance ? beside::agrees : beside::covers;
 }
+/// Whether a point is on the face of a solid with the normal n, or in the plane of that face, at
+/// most `reach` beside the solid.
+template <class Solid>
+[[nodiscard]] bool is_level_with(const Solid& solid, const vec3& p, const vec3& n, real tolerance,
+                                 real reach) {
+  return solid.each_face([&](const vec3& m, real offset) {
+    return m.dot(p) - offset <= tolerance + reach * m.cross(n).norm();
+  }) && solid.support(n) - n.dot(p) <= tolerance;
+}
 /// Whether the point is over the faces of a solid that have about this normal, or under them.
 template <class Solid>
 [[nodiscard]] bool lies_over(const Solid& solid, const vec3& p, const vec3& n) {

@@ -104,21 +104,22 @@ class flush_surface {
     });
     return hidden;
   }
-  /// Calls f(id) for the bodies beside the one with this number whose surface has the normal of the
-  /// contact at most `reach` from its point, until it returns false.
+  /// Calls f(id) for the bodies beside the one with this number whose surface is level with the
+  /// contact, but for `way`, and at most `reach` beside its point.
   template <class F>
-  void each_beside(std::uint32_t number, real reach, F&& f) {
+  void each_beside(std::uint32_t number, real way, real reach, F&& f) {
     point_ = on_body(number);
     if (!c_.round) normal_ = of_face(number);
     s_.flush.each_near(number, point_, reach_of(number) + reach, [&](std::uint32_t other) {
-      const real tolerance = tolerance_of(number, other) + reach;
-      bool agrees = false;
-      each_solid(other, point_, tolerance, [&](const auto& solid, const pose& at) {
-        const vec3 p = at.to_body(point_), n = to_body(at, normal_);
-        agrees = stands_beside(solid, p, n, tolerance) == beside::agrees;
-        return !agrees;
+      const real tolerance = tolerance_of(number, other);
+      bool level = false;
+      each_solid(other, point_, tolerance + reach, [&](const auto& solid, const pose& at) {
+        level = is_level_with(solid, at.to_body(point_), to_body(at, normal_), tolerance + way,
+                              reach - way);
+        return !level;
       });
-      return !agrees || f(s_.flush.all[other].id);
+      if (level) f(s_.flush.all[other].id);
+      return true;
     });
   }
 

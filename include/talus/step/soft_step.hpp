@@ -227,30 +227,61 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     else
       return a ? 0xffff : 0xffff0000;
   }
+  /// How far beside a body the contact of a sphere may go on, as a part of the radius of the
+  /// sphere.
+  static constexpr real beside_part = 0.1;
+  [[nodiscard]] real bounding_radius_b(const body_pair& x) const {
+    if constexpr (paired)
+      return b_.shape[x.j].bounding_radius();
+    else
+      return (void)x, 0;
+  }
+  /// At most how fast the contact of a body moves over a fixed one: of the body, whose corners are
+  /// within `radius`, and of the fixed one if that is driven.
+  [[nodiscard]] real speed_beside(const body_pair& x, const contact_geometry& g, bool on_b,
+                                  real radius) const {
+    vec3 v(0, 0, 0), w = v;
+    if constexpr (paired) {
+      if (!on_b) v = b_.velocity[body_b(x)], w = b_.angular_velocity[body_b(x)];
+    }
+    if (on_b) v = a_.velocity[x.i], w = a_.angular_velocity[x.i];
+    if constexpr (state_type::drives && !paired)
+      v -= surface_velocity_of(x.j, vec3(g.point - b_.position[x.j]));
+    return (void)g, v.norm() + radius * w.norm();
+  }
   /// The springs of the contact of the last step that goes on here, with a fixed body beside the
   /// one it was with; null for a new contact.
   [[nodiscard, gnu::noinline]] const kept* of_body_beside(const body_pair& x,
                                                           const contact_geometry& g) {
     const bool on_b = !paired || b_.inverse_mass[x.j] == 0;
     const system_id own = on_b ? a_.id[x.i] : b_.id[x.j];
-    const soft_body& body = s_.soft.bodies[on_b ? first_a_ + x.i : first_b_ + body_b(x)];
+    const bool round = on_b ? ShapeA::isotropic : ShapeB::isotropic;
+    const real radius = on_b ? a_.shape[x.i].bounding_radius() : bounding_radius_b(x);
+    const real way = s_.dt * speed_beside(x, g, on_b, round ? 0 : radius);
+    // The only contact of a sphere with a surface, however far the bodies have moved since.
+    const real reach = round ? std::max(way, beside_part * radius) : way;
     const auto of_own = parts_of(on_b);
-    const typename state_type::history_type::entry* found = nullptr;
+    using entry = typename state_type::history_type::entry;
+    const entry* found = nullptr;
+    bool found_same = false;
+    system_id found_at = no_id;
     const auto look = [&](auto& surface, std::uint32_t number) {
-      surface.each_beside(number, s_.dt * body.v.norm(), [&](system_id beside) {
+      surface.each_beside(number, way, reach, [&](system_id beside) {
+        const entry* one = nullptr;
         int count = 0;
         bool same = false;
         const auto take = [&](const auto& e) {
           const auto differ = e.key.feature ^ g.feature;
           if ((differ & part_of_union) != 0) return;
-          if (++count == 1 || (!same && (differ & of_own) == 0)) found = &e;
+          if (++count == 1 || (!same && (differ & of_own) == 0)) one = &e;
           same = same || (differ & of_own) == 0;
         };
         s_.history.each_of_pair({own, beside, 0}, take);
         s_.history.each_of_pair({beside, own, 0}, take);
-        const bool round = on_b ? ShapeA::isotropic : ShapeB::isotropic;
-        if (count == 0 || (round && count > 1) || law::is_intact(found->memory)) found = nullptr;
-        return found == nullptr;
+        if (count == 0 || (round && count > 1) || law::is_intact(one->memory)) return;
+        // (Ranks hold the bodies in different orders.)
+        if (found == nullptr || same > found_same || (same == found_same && beside < found_at))
+          found = one, found_same = same, found_at = beside;
       });
     };
     on_flush_surface<ShapeA, ShapeB, paired>(s_, a_, x.i, position_a(x), b_, x.j, position_b(x), g,
