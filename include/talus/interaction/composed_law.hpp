@@ -276,18 +276,19 @@ struct composed_law<Bearer, type_list<Laws...>, type_list<Resistances...>> {
   /// have changed places, vectors of the memory, which are of a relative to b, are reversed.
   [[nodiscard]] static memory of_resistances(memory old, bool swapped) {
     memory m;
+    reversal reverses;
     const auto take = [&]<class Part>() {
       typename Part::memory& from = of<Part>(old);
       if (swapped) {
-        if constexpr (requires { Part::memory::each_column(from, reversal{}); })
-          Part::memory::each_column(from, reversal{});
+        if constexpr (requires { Part::memory::each_column(from, reverses); })
+          Part::memory::each_column(from, reverses);
         else
           return;
       }
       of<Part>(m) = from;
     };
     (take.template operator()<Resistances>(), ...);
-    return (void)take, m;
+    return (void)take, (void)reverses, (void)old, (void)swapped, m;
   }
   /// Whether a bond or a neck holds the bodies, also where its force vanishes.
   [[nodiscard]] static bool is_intact(const memory& m) {
