@@ -163,6 +163,12 @@ TEST_CASE("materials that are frictionless in name only are told, once, with a w
           "contacts take the mean, 0.25: for a frictionless plane call "
           "world.pair_rules with .friction = pair_rule::least, or give the pair a value of its own "
           "by world.material_pair");
+  // Grains that share their material with a wall are what the platen meets.
+  CHECK(
+      warned(1, {0.5, 0}, [&](auto& w, const auto& m) {
+        w.global([&](auto& scope) { scope.add(plane{.offset = -1}, m[0]); });
+        platen(w, m);
+      }).find("material 1 (of a plane) has no friction and material 0 (of a sphere) has 0.5") == 0);
   // A sphere on one rank and a box on another are told, too.
   CHECK(warned(2, {0.5, 0.3, 0}, [](auto& w, const auto& m) {
           w.add_if_local(body{.shape = sphere{0.5}, .position = {-2, 0, 1}, .material = m[0]});

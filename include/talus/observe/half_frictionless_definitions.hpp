@@ -17,7 +17,11 @@ TALUS_INLINE std::string half_frictionless(const material_table& all,
                                            std::span<const double> any,
                                            std::span<const char* const> shapes) {
   const auto friction = [&](std::size_t i) { return all[material_id(i)].friction; };
-  const auto shape_of = [&](std::size_t i) { return shapes[static_cast<std::size_t>(any[i]) - 1]; };
+  // A body that can move stands for a material whose bodies meet those of the other by that alone.
+  const auto shape_of = [&](std::size_t i, std::size_t other) {
+    const double kind = movable[other] > 0 ? any[i] : movable[i];
+    return shapes[static_cast<std::size_t>(kind) - 1];
+  };
   for (std::size_t i = 0; i < all.size(); ++i)
     for (std::size_t j = 0; j < all.size() && any[i] > 0 && friction(i) == 0; ++j)
       if (any[j] > 0 && friction(j) > 0 && (movable[i] > 0 || movable[j] > 0) &&
@@ -27,8 +31,8 @@ TALUS_INLINE std::string half_frictionless(const material_table& all,
             "contacts take the mean, {}: for a frictionless {} call world.pair_rules with "
             ".friction "
             "= pair_rule::least, or give the pair a value of its own by world.material_pair",
-            i, shape_of(i), j, shape_of(j), text(friction(j)), text(0.5 * friction(j)),
-            shape_of(i));
+            i, shape_of(i, j), j, shape_of(j, i), text(friction(j)), text(0.5 * friction(j)),
+            shape_of(i, j));
   return {};
 }
 
