@@ -257,7 +257,7 @@ class contact_list : public contact_sums<contact_list<Contact>, Contact> {
   void edit_interior_contacts(F&& f) {
     for (std::size_t i = 0, n = interior(); i < n; ++i) edit_interior(i, f);
   }
-  /// The same for those contacts whose bodies `chosen(a, b)` selects.
+  /// Calls f for the interior contacts whose bodies `chosen(a, b)` selects; it may change them.
   template <class Chosen, class F>
   void edit_interior_contacts(Chosen&& chosen, F&& f) {
     for (std::size_t i = 0, n = interior(); i < n; ++i)

@@ -155,8 +155,8 @@ class convex_contact {
     one.face_outline(face.face, reference);
     return by_outline(reference, one.normal(face.face), by_b, wanted);
   }
-  /// The same over a flat side of a shape that is known by its support function alone, if that side
-  /// faces the other shape along `normal`.
+  /// The manifold over a flat side of a shape that is known by its support function alone, if that
+  /// side faces the other shape along `normal`.
   bool by_flat_sides(const vector& normal, Real wanted) {
     for (const bool by_b : {false, true}) {
       const convex_view<Real>& one = by_b ? b_ : a_;

@@ -25,7 +25,7 @@ namespace talus::detail {
   return plain;
 }
 
-/// The same file has the same path, whether it is named from the working folder or not, and through
+/// The path of a file, which is one whether it is named from the working folder or not, and through
 /// links of folders that exist.
 [[nodiscard, gnu::cold]] inline std::string place_of(const std::string& path) {
   const std::string plain = plain_path(path);
