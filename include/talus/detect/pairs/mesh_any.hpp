@@ -1,6 +1,9 @@
 #pragma once
 // A surface of triangles and a body: the contacts of the triangles near it.
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -109,6 +112,11 @@ void collide(const A& a, const pose& pa, const sphere& b, const pose& pb, real m
   feet.each(m, touch);
 }
 
+namespace detail {
+/// Distinguishes the features of two contacts of the same parts with different normals.
+inline constexpr std::uint64_t another_normal = 0x80000000;
+}  // namespace detail
+
 /// Calls `sink(contact_geometry)` for the points of each triangle with a gap of at most `margin`,
 /// of all triangles in one plane together up to 16. Inner edges over which the surface is flat, or
 /// bends towards the body, act as the plane of their triangle.
@@ -146,7 +154,9 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
     const auto leaves = [&](real gap, const vec3& at) {
       return gap < 0 && -gap > 4 * near.distance_to_bend(m, t, at);
     };
-    int tilted = 0;  // the side from which the body leans on the triangle
+    int tilted = 0;                       // the side from which the body leans on the triangle
+    std::array<std::uint64_t, 16> named;  // features of contacts with its edges and corners
+    std::size_t names = 0;
     bool sideways = false;
     const bool under = m.normals[t].dot(there.position - m.corner(t, 0)) < 0;
     for (const contact_geometry& c : contact.find()) {
@@ -159,8 +169,9 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
       if (std::abs(straight) > 1 - real(1e-8)) {
         if (!is_covered(q, up)) add_level(c, straight < 0 ? vec3(-m.normals[t]) : m.normals[t]);
       } else if (!inside && detail::nearest_of_surface(m, t, q, up)) {
-        if (felt.add(q.at))
-          sink(contact_geometry{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)});
+        if (!felt.add(q.at)) continue;
+        named[names++ % named.size()] = c.feature;
+        sink(contact_geometry{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)});
       } else if ((std::abs(straight) > real(0.7) || c.gap < 0) &&
                  near.is_wide(m, t, real(0.05) * size * size)) {
         sideways = std::abs(straight) <= real(0.7);
@@ -184,7 +195,9 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
     }
     if (tilted == 0) return;
     const vec3 side = real(tilted) * m.normals[t];
-    for (const contact_geometry& c : contact.over_face(tilted < 0 ? 1 : 0)) {
+    for (contact_geometry c : contact.over_face(tilted < 0 ? 1 : 0)) {
+      const auto end = named.begin() + static_cast<std::ptrdiff_t>(std::min(names, named.size()));
+      if (std::find(named.begin(), end, c.feature) != end) c.feature ^= detail::another_normal;
       const vec3 at = back.to_world(c.point) - real(0.5) * c.gap * side;
       const auto q = detail::place_on_triangle(m, t, at, real(1e-6) * size);
       if (!near.hide(m, t, q.at, side, c.gap, real(1e-6) * size) && !is_covered(q, side) &&
