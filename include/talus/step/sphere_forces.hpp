@@ -1,6 +1,6 @@
 #pragma once
-// The forces between spheres, eight contacts at once: what force_adder (soft_forces.hpp) computes one
-// by one, with the same bits. Forces are added to bodies in the order of the pairs.
+// The forces between spheres, eight contacts at once: what force_adder (soft_forces.hpp) computes
+// one by one, with the same bits. Forces are added to bodies in the order of the pairs.
 #include <array>
 #include <cstddef>
 #include <cstdint>
