@@ -56,6 +56,11 @@ const std::vector<std::function<void(world<soft_scene>&)>>& soft_floors() {
 }
 
 constexpr real R = 0.03, g = 9.81, stiffness = 1e5;
+const material resisting{.density = 1000,
+                         .restitution = 0.5,
+                         .friction = 0.5,
+                         .stiffness = stiffness,
+                         .rolling_friction = 0.1};
 /// A sphere in equilibrium on its spring that starts at x with a velocity.
 struct soft_course {
   real x = 0, height = 0, speed = 0, spin = 0;  ///< largest change; of x, less the motion
@@ -118,11 +123,7 @@ TEST_CASE("bodies that resist rolling roll over seams as on one body") {
     serial::link link;
     world<soft_scene> w(link);
     w.gravity({0, 0, -g});
-    w.material({.density = 1000,
-                .restitution = 0.5,
-                .friction = 0.5,
-                .stiffness = stiffness,
-                .rolling_friction = 0.1});
+    w.material(resisting);
     floor(w);
     const quat q = rotation({0, 0, 1}, turn);
     const vec3 v = q * vec3(1, 0, 0), spin = q * vec3(0, 1 / R, 0);
@@ -162,11 +163,7 @@ TEST_CASE("a sphere that stays keeps its springs while a seam passes below it") 
     serial::link link;
     world<belt_scene> w(link);
     w.gravity({0, 0, -g});
-    w.material({.density = 1000,
-                .restitution = 0.5,
-                .friction = 0.5,
-                .stiffness = stiffness,
-                .rolling_friction = 0.1});
+    w.material(resisting);
     for (int k = 0; k < tiles; ++k) {
       handle<box> tile;
       w.global([&](auto& scope) {
