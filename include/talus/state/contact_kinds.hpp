@@ -6,7 +6,6 @@
 #include "talus/constraint/general_contact.hpp"
 #include "talus/constraint/isotropic_contact.hpp"
 #include "talus/core/type_list.hpp"
-#include "talus/shape/sphere.hpp"
 #include "talus/solver/contact_list.hpp"
 #include "talus/solver/usual_contacts.hpp"
 
@@ -59,14 +58,7 @@ struct contact_lists_for<type_list<Shapes...>, Law, Real, List, Driven> {
   using of_one = join_lists<
       decltype(contacts_of_one<Law, Real, List, Driven, A>::template pair_with<Shapes>())...,
       decltype(contacts_of_one<Law, Real, List, Driven, A>::anchored())>;
-  static auto of_spheres() {
-    if constexpr (contains_type<type_list<Shapes...>, sphere>)
-      return contacts_of_one<Law, Real, List, Driven, sphere>::template pair_with<sphere>();
-    else
-      return type_list<>{};
-  }
-  // The contacts of spheres come first: see step/kept_contacts.hpp.
-  using all = unique_types<join_lists<decltype(of_spheres()), of_one<Shapes>...>>;
+  using all = unique_types<join_lists<of_one<Shapes>...>>;
 };
 
 template <class List>

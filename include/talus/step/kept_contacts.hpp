@@ -55,19 +55,21 @@ template <class Scenario, class ShapeA, class ShapeB, partner Partner>
     return false;
   }
 }
-/// Whether contacts are kept from step to step: those of the first list. Contacts of other lists do
-/// not change their places in the history and among the colours.
-template <class Scenario>
-[[nodiscard]] constexpr bool keeps_first_contacts() {
-  if constexpr (contains_type<typename Scenario::shapes, sphere>)
-    return keeps_contacts_of<Scenario, sphere, sphere, partner::moving>();
-  return false;
-}
+/// Whether the contacts of a list are kept from step to step.
 template <class Scenario, class List>
 [[nodiscard]] constexpr bool keeps_contacts_in() {
-  if constexpr (keeps_first_contacts<Scenario>())
-    return std::is_same_v<List, list_of_spheres<Scenario>>;
+  if constexpr (contains_type<typename Scenario::shapes, sphere>)
+    if constexpr (keeps_contacts_of<Scenario, sphere, sphere, partner::moving>())
+      return std::is_same_v<List, list_of_spheres<Scenario>>;
   return false;
+}
+
+/// Whether the contacts that are kept are in the first list. Contacts of other lists do not change
+/// their places in the history and among the colours.
+template <class Scenario>
+[[nodiscard]] constexpr bool keeps_first_contacts() {
+  return keeps_contacts_in<Scenario,
+                           std::tuple_element_t<0, decltype(world_state<Scenario>::contacts)>>();
 }
 
 /// For runs on one rank. `Coloured`: the contacts are solved colour by colour.
