@@ -147,11 +147,51 @@ TEST_CASE("bodies that resist rolling roll over seams as on one body") {
     }
   };
   all(sphere{R}, 0), all(sphere{R}, 0.7);
-  all(cylinder{R, 0.1}, 0);
+  all(cylinder{R, 0.1}, 0), all(cylinder{R, 0.1}, 0.1), all(cylinder{R, 0.1}, -0.4);
   all(capsule{R, 0.1}, 0), all(capsule{R, 0.1}, 0.1);
   all(pair_of_spheres({{.shape = sphere{R}, .at = {{0, 0, 0.02}}},
                        {.shape = sphere{R}, .at = {{0, 0, -0.02}}}}),
       0);
+}
+
+TEST_CASE("bodies that come down leaning bounce on seams as on one body") {
+  struct fall {
+    real turn, lean, speed, spin, friction;
+  };
+  const auto drop = [&](const auto& floor, const auto& shape, const fall& f, real half) {
+    serial::link link;
+    world<soft_scene> w(link);
+    w.gravity({0, 0, -g});
+    w.material({.density = 1000,
+                .restitution = 0.3,
+                .friction = f.friction,
+                .stiffness = real(0.5) * 1e6 * 1000 * pi * R * R * 2 * half});
+    floor(w);
+    const quat q = rotation({0, 0, 1}, f.turn);
+    const auto h = w.add(body{.shape = shape,
+                              .position = {-0.075 * f.speed, 0.013, 1.02 * R + f.lean * half},
+                              .velocity = q * vec3(f.speed, 0, 0),
+                              .angular_velocity = q * vec3(0, f.spin * f.speed / R, 0),
+                              .orientation = q * rotation({1, 0, 0}, pi / 2 - f.lean)});
+    for (int k = 0; k < 1500; ++k) w.step(1e-4);
+    return vec3(w[h].position());
+  };
+  auto floors = soft_floors();
+  floors.push_back([](auto& w) { put_rectangle(w, -1, 1); });
+  const auto all = [&](const auto& shape, real half) {
+    for (const fall& f :
+         {fall{0.97, 0.1, 1.9, 1, 0}, fall{0.5, 0.2, 0.8, 1, 0.7}, fall{-1.2, 0.05, 0.9, 1.5, 0.7},
+          fall{1.1, 0.1, 0.1, 1, 0.8}, fall{0.04, 0.2, 0.5, -0.5, 0.4}}) {
+      CAPTURE(f.turn);
+      const vec3 there = drop(floors[0], shape, f, half);
+      for (std::size_t k = 1; k < floors.size(); ++k) {
+        CAPTURE(k);
+        CHECK((drop(floors[k], shape, f, half) - there).norm() < 1e-6 * R);
+      }
+    }
+  };
+  all(capsule{R, 2.6 * R}, 1.3 * R);
+  all(cylinder{R, 3 * R}, 1.5 * R);
 }
 
 TEST_CASE("a sphere that stays keeps its springs while a seam passes below it") {

@@ -26,9 +26,10 @@ class level_patches {
         tilted_(std::min(off_ / size, real(0.01))) {}
 
   /// A contact of a triangle: `up` is the normal of its plane on the side of the body, and `level`
-  /// the height of the plane along it over the centre of the body. Returns false if there is no
-  /// room.
-  bool add(const contact_geometry& c, const vec3& up, real level) {
+  /// the height of the plane along it over the centre of the body. A contact that is `cut` is where
+  /// the triangle ends and its plane does not; it counts only in a plane that has no others.
+  /// Returns false if there is no room.
+  bool add(const contact_geometry& c, const vec3& up, real level, bool cut = false) {
     std::size_t k = 0;
     while (k < size_ && !(std::abs(patches_[k].level - level) <= off_ &&
                           (patches_[k].up - up).squaredNorm() <= tilted_ * tilted_))
@@ -37,10 +38,12 @@ class level_patches {
     patch& p = patches_[k];
     if (k == size_) {
       ++size_;
-      p.up = up, p.level = level, p.size = 0;
+      p.up = up, p.level = level, p.size = 0, p.cut = cut;
       p.u = vec3::Unit(std::abs(up[0]) < real(0.6) ? 0 : 1).cross(up).normalized();
       p.v = up.cross(p.u);
     }
+    if (cut && !p.cut) return true;
+    if (p.cut && !cut) p.size = 0, p.cut = false;
     if (p.size == p.points.size()) reduce(p, 0);
     if (p.size == p.points.size()) return false;
     p.contacts[p.size] = c;
@@ -64,6 +67,7 @@ class level_patches {
     vec3 up, u, v;
     real level;
     std::size_t size;
+    bool cut;  ///< all its contacts are
     std::array<point, capacity> points;
     std::array<contact_geometry, capacity> contacts;
   };

@@ -1,10 +1,13 @@
 #pragma once
-// The area in which a body touches fixed bodies that lie flush beside each other: its corners on
-// the seams between them are none of the area, and would add to the stiffness of soft contacts.
+// The area in which a body touches fixed bodies that lie flush beside each other: points on the
+// seams between them are no corners of that area, and would add to the stiffness of soft contacts.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
+#include <utility>
 
 #include "talus/contact/contact_geometry.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -12,6 +15,7 @@
 #include "talus/detect/level_patches.hpp"
 #include "talus/pairs/filtered_pairs.hpp"
 #include "talus/pairs/flush_surface.hpp"
+#include "talus/shape/plane.hpp"
 #include "talus/state/state.hpp"
 
 namespace talus::detail {
@@ -51,10 +55,11 @@ class flush_corners {
     });
     if (own.empty() || all.empty()) return;
     for (const std::uint32_t other : all) find(other);
+    drop_cuts(own);
     if (others_.empty()) return;
-    std::size_t kept = 0;
-    plain_vector<contact_geometry> corners;
     const plain_vector<contact_geometry> before = own;
+    plain_vector<contact_geometry> corners;
+    std::size_t kept = 0;
     for (const contact_geometry& c : before) {
       if (&c == before.data() || part_of(c) != part_of((&c)[-1])) find_corners(before, c, corners);
       if (is_at(c, corners, false) && !is_at(c, others_, true)) own[kept++] = c;
@@ -64,9 +69,57 @@ class flush_corners {
 
  private:
   struct found_contact : contact_geometry {
-    bool first = false;  ///< its body has a smaller id
+    std::uint32_t number = 0;  ///< of its body
+    bool first = false;        ///< that has a smaller id
   };
 
+  /// Drops the contacts on seams that stand for no corner of the movable body.
+  void drop_cuts(plain_vector<contact_geometry>& own) {
+    plain_vector<contact_geometry> all = own;
+    for (const contact_geometry& c : others_) all.push_back(c);
+    const auto drop = [&](auto& list, const auto& number_of) {
+      std::size_t kept = 0;
+      for (const auto& c : list)
+        if (!is_cut(number_of(c), c, all)) list[kept++] = c;
+      list.resize(kept);
+    };
+    drop(own, [&](const contact_geometry&) { return number_; });
+    drop(others_, [](const found_contact& c) { return c.number; });
+  }
+  [[nodiscard]] bool is_cut(std::uint32_t number, const contact_geometry& c,
+                            const plain_vector<contact_geometry>& all) {
+    if constexpr (!collidable<Other, plane>) return false;
+    bool cut = false;
+    with_flush_body(s_, number, [&](const auto& store, std::size_t k) {
+      using fixed = typename std::remove_cvref_t<decltype(store)>::shape_type;
+      with_flush_surface<fixed, Other>(s_, store, k, store.position[k], s_.flush.all[number].global,
+                                       other_, l_, at_.position, on_surface(c), c.normal,
+                                       [&](auto& surface, std::uint32_t one) {
+                                         cut = surface.is_on_seam(one, beside_part * size_);
+                                       });
+    });
+    if (!cut) return false;
+    const plane level{c.normal, c.normal.dot(on_surface(c))};
+    collide_pair(other_.shape[l_], at_, level, pose{}, range_, [&](const contact_geometry& corner) {
+      cut = cut && !(corner.gap < range_ && stands_for(corner, c, all));
+    });
+    return cut;
+  }
+  /// Whether c is the contact for a corner on the plane of the surface. A body with a fixed one
+  /// that it reaches by less than its overlap has a contact sideways instead.
+  [[nodiscard]] bool stands_for(const contact_geometry& corner, const contact_geometry& c,
+                                const plain_vector<contact_geometry>& all) const {
+    const auto distance = [&](const contact_geometry& other) {
+      return part_of(other) == part_of(corner) ? (on_body(other) - on_body(corner)).norm()
+                                               : std::numeric_limits<real>::infinity();
+    };
+    const real far = distance(c);
+    return far <= real(2e-6) * size_ + std::abs(c.gap) &&
+           std::none_of(all.begin(), all.end(), [&](const contact_geometry& other) {
+             return distance(other) < far - real(1e-9) * size_ &&
+                    other.normal.dot(c.normal) > real(0.99);
+           });
+  }
   [[nodiscard]] bool may_touch_it(std::uint32_t number) const {
     bool may = true;
     if constexpr (state_type::filters)
@@ -101,7 +154,7 @@ class flush_corners {
                            !is_hidden_on<fixed, Other>(s_, store, k, store.position[k],
                                                        s_.flush.all[number].global, other_, l_,
                                                        at_.position, on_surface(c), c.normal))
-                         others_.push_back({c, first});
+                         others_.push_back({c, number, first});
                      });
       }
     });
@@ -124,13 +177,19 @@ class flush_corners {
   template <class Contact>
   [[nodiscard]] bool is_at(const contact_geometry& c, const plain_vector<Contact>& all,
                            bool only_first) const {
-    const real near = real(2e-6) * size_;
     return std::any_of(all.begin(), all.end(), [&](const Contact& other) {
       if constexpr (std::is_same_v<Contact, found_contact>)
         if (only_first && !other.first) return false;
-      return part_of(other) == part_of(c) && (other.point - c.point).squaredNorm() <= near * near &&
+      return part_of(other) == part_of(c) && is_near(other, c) &&
              other.normal.dot(c.normal) > real(0.99);
     });
+  }
+  [[nodiscard]] bool is_near(const contact_geometry& a, const contact_geometry& b) const {
+    const real near = real(2e-6) * size_;
+    return (a.point - b.point).squaredNorm() <= near * near;
+  }
+  [[nodiscard]] static vec3 on_body(const contact_geometry& c) {
+    return c.point + real(0.5) * c.gap * c.normal;
   }
   [[nodiscard]] static vec3 on_surface(const contact_geometry& c) {
     return c.point - real(0.5) * c.gap * c.normal;
@@ -139,6 +198,9 @@ class flush_corners {
   [[nodiscard]] static std::uint64_t part_of(const contact_geometry& c) {
     return c.feature >> 32 & 0xffff;
   }
+
+  /// How far beside a contact the surface goes on there, as a part of the radius of the body.
+  static constexpr real beside_part = 1e-4;
 
   state_type& s_;
   std::uint32_t number_;

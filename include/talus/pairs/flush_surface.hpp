@@ -123,6 +123,41 @@ class flush_surface {
     });
   }
 
+  /// Whether the contact with the body of this number is at its edge, and the common surface goes
+  /// on all around, at the distance `step`.
+  [[nodiscard]] bool is_on_seam(std::uint32_t number, real step) {
+    point_ = on_body(number);
+    real along = 0.99;  // flat bodies that lean have contacts along a normal of their own
+    each_face_at(number, point_, flush_part * s_.flush.all[number].radius, [&](const vec3& face) {
+      if (const real cosine = face.dot(c_.normal); cosine > along) along = cosine, normal_ = face;
+    });
+    const vec3 u = vec3::Unit(std::abs(normal_[0]) < real(0.6) ? 0 : 1).cross(normal_).normalized();
+    const vec3 v = normal_.cross(u), p = point_;
+    const auto lies_on = [&](std::uint32_t one, const vec3& q) {
+      const real tolerance = tolerance_of(number, one);
+      bool level = false;
+      each_solid(one, q, tolerance, [&](const auto& solid, const pose& at) {
+        level = is_level_with(solid, at.to_body(q), to_body(at, normal_), tolerance, 0);
+        return !level;
+      });
+      return level;
+    };
+    bool inside = true;
+    for (const vec3& way :
+         {u, v, vec3(-u), vec3(-v), vec3(u + v), vec3(u - v), vec3(-u + v), vec3(-u - v)}) {
+      const vec3 q = p + step * way;
+      if (lies_on(number, q)) continue;
+      inside = false;
+      bool goes_on = false;
+      s_.flush.each_near(number, q, reach_of(number), [&](std::uint32_t other) {
+        goes_on = lies_on(other, q);
+        return !goes_on;
+      });
+      if (!goes_on) return false;
+    }
+    return !inside;
+  }
+
  private:
   [[nodiscard]] static vec3 to_body(const pose& at, const vec3& direction) {
     return rotated(at.orientation.conjugate(), direction);

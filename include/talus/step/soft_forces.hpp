@@ -214,8 +214,8 @@ class force_adder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       return a ? 0x3f : 0xfc0;
     else if constexpr (is_triangulated<ShapeA> || is_triangulated<ShapeB>)
       return 0xffff0000;
-    else
-      return a ? 0xffff : 0xffff0000;
+    else  // (The first shape of the pair function comes first in the feature.)
+      return a == collides_in_order<ShapeA, ShapeB> ? 0xffff : 0xffff0000;
   }
   /// How far beside a body the contact of a sphere may go on, as a part of the radius of the
   /// sphere.

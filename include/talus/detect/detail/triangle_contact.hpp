@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
@@ -82,6 +83,29 @@ void each_other_at(const triangle_tree& m, std::uint32_t t, const vec3& q, F&& f
   return m.normals[t].cross(m.normals[other]).norm() <= level_enough &&
          std::abs(m.normals[t].dot(m.corner(other, 0) - m.corner(t, 0))) <=
              level_enough * m.bounding_radius;
+}
+/// Whether the plane of triangle t goes on all around one of its edges or corners.
+[[nodiscard]] inline bool goes_on_around(const triangle_tree& m, std::uint32_t t,
+                                         const triangle_point& q) {
+  const auto beyond = [&](std::uint32_t one, std::size_t edge) {
+    const std::uint32_t other = m.neighbours[one][edge];
+    return other != triangle_tree::none && in_one_plane(m, t, other) ? other : triangle_tree::none;
+  };
+  if (q.edge >= 0) return beyond(t, static_cast<std::size_t>(q.edge)) != triangle_tree::none;
+  if (q.corner < 0) return false;
+  const std::uint32_t vertex = m.triangles[t][static_cast<std::size_t>(q.corner)];
+  std::uint32_t one = t, before = triangle_tree::none;
+  for (int k = 0; k < 64; ++k) {  // around the corner, over the edges that end at it
+    std::uint32_t next = triangle_tree::none;
+    for (std::size_t edge = 0; edge < 3 && next == triangle_tree::none; ++edge) {
+      const auto& corners = m.triangles[one];
+      if (corners[edge] != vertex && corners[(edge + 1) % 3] != vertex) continue;
+      if (const std::uint32_t other = beyond(one, edge); other != before) next = other;
+    }
+    if (next == triangle_tree::none || next == t) return next == t;
+    before = std::exchange(one, next);
+  }
+  return false;
 }
 /// The distance of the point q from the nearest of those edges of triangle t over which the surface
 /// does not go on in the same plane.

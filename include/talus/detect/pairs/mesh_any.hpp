@@ -53,6 +53,11 @@ class flat_polyhedron {
     return centre;
   }
   [[nodiscard]] const polyhedron_mesh& mesh() const { return mesh_; }
+  /// Whether the parts of a contact name an edge or a corner.
+  [[nodiscard]] static bool is_at_edge(std::uint64_t parts) {
+    const std::uint64_t own = parts & 0xffff;
+    return own >= 1 && own <= 6;
+  }
 
  private:
   polyhedron_mesh mesh_;
@@ -144,10 +149,12 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
       return (p.edge >= 0 || p.corner >= 0) && !detail::nearest_of_surface(m, t, p, direction) &&
              detail::is_covered(m, t, p.at, direction, there.position);
     };
-    const auto add_level = [&](const contact_geometry& c, const vec3& side) {
+    const auto add_level = [&](const contact_geometry& c, const detail::triangle_point& q,
+                               const vec3& side) {
       const contact_geometry one{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)};
       const real height = side.dot(m.corner(t, 0) - there.position);
-      if (!level.add(one, rotated(pa.orientation, side), height)) sink(one);
+      const bool cut = flat.is_at_edge(c.feature) && detail::goes_on_around(m, t, q);
+      if (!level.add(one, rotated(pa.orientation, side), height, cut)) sink(one);
     };
     // Whether the body leaves the plane of the triangle sooner over an edge, as the upper one of a
     // wall that reaches a little into a body above it.
@@ -167,7 +174,7 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
       if (near.hide(m, t, q.at, up, c.gap, real(1e-6) * size)) continue;
       const bool inside = q.edge < 0 && q.corner < 0;
       if (std::abs(straight) > 1 - real(1e-8)) {
-        if (!is_covered(q, up)) add_level(c, straight < 0 ? vec3(-m.normals[t]) : m.normals[t]);
+        if (!is_covered(q, up)) add_level(c, q, straight < 0 ? vec3(-m.normals[t]) : m.normals[t]);
       } else if (!inside && detail::nearest_of_surface(m, t, q, up)) {
         if (!felt.add(q.at)) continue;
         named[names++ % named.size()] = c.feature;
@@ -202,7 +209,7 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
       const auto q = detail::place_on_triangle(m, t, at, real(1e-6) * size);
       if (!near.hide(m, t, q.at, side, c.gap, real(1e-6) * size) && !is_covered(q, side) &&
           !(sideways && leaves(c.gap, q.at)))
-        add_level(c, side);
+        add_level(c, q, side);
     }
   });
   level.each(sink);
