@@ -258,3 +258,33 @@ TEST_CASE("flat surfaces without round-off and curved ones are left as they are"
   (void)triangle_mesh(all, &report);
   CHECK(report.levelled == 0);
 }
+
+TEST_CASE("a lying cylinder has its two ends as contacts, however near corners of triangles are") {
+  // Rows of bricks, each half a brick beside the last one.
+  std::vector<triangle> all;
+  for (int j = -6; j < 6; ++j)
+    for (int i = -6; i < 6; ++i) {
+      const real x = 0.4 * i + (j & 1 ? 0.2 : 0), y = 0.3 * j;
+      const vec3 a(x, y, 0), b(x + 0.4, y, 0), c(x + 0.4, y + 0.3, 0), d(x, y + 0.3, 0);
+      all.push_back({a, b, c}), all.push_back({a, c, d});
+    }
+  const triangle_mesh bricks(all);
+  const pose surface = placed(bricks);
+  const cylinder shape{0.3, 0.9};
+  for (const real turn : {0.0, 0.11, -0.7})
+    for (real beside = 1e-3; beside > 1e-13; beside *= real(0.3)) {
+      CAPTURE(turn);
+      CAPTURE(beside);
+      const quat q = rotation({0, 0, 1}, turn);
+      const vec3 centre = q * vec3(0.05, beside, 0);  // the line of contact leads past the origin
+      const pose at{centre + vec3(0, 0, shape.radius),
+                    q * rotation({0, 1, 0}, std::numbers::pi / 2)};
+      int count = 0;
+      collide_pair(shape, at, bricks, surface, 1e-6, [&](const contact_geometry& c) {
+        ++count;
+        CHECK((c.normal - vec3(0, 0, 1)).norm() < 1e-9);
+        CHECK(std::abs((c.point - centre).norm() - 0.45) < 1e-6);
+      });
+      CHECK(count == 2);
+    }
+}

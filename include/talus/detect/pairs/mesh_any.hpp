@@ -153,8 +153,11 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
                                const vec3& side) {
       const contact_geometry one{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)};
       const real height = side.dot(m.corner(t, 0) - there.position);
-      const bool cut = flat.is_at_edge(c.feature) && detail::goes_on_around(m, t, q);
-      if (!level.add(one, rotated(pa.orientation, side), height, cut)) sink(one);
+      // The nearest point of an edge or a corner has no parts; level with a face it has its normal.
+      const vec3 up = rotated(pa.orientation, side);
+      const bool beside = c.feature == 0 && c.normal.dot(up) > real(5e-15) - 1;
+      const bool cut = (flat.is_at_edge(c.feature) || beside) && detail::goes_on_around(m, t, q);
+      if (!level.add(one, up, height, cut)) sink(one);
     };
     // Whether the body leaves the plane of the triangle sooner over an edge, as the upper one of a
     // wall that reaches a little into a body above it.
