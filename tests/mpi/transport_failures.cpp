@@ -4,6 +4,7 @@
 // itself: four processes of this program, each with the name of a case as its argument.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <doctest/doctest.h>
 
@@ -11,11 +12,14 @@
 #include <cstdio>
 #include <functional>
 #include <map>
+#include <optional>
 #include <regex>
 #include <string>
 #include <thread>
 
 #include "../parallel/transport_laws.hpp"
+#include "talus/core/run_lock.hpp"
+#include "talus/io/run_signals.hpp"
 #include "talus/parallel/as_launched.hpp"
 
 using namespace talus;
@@ -43,6 +47,22 @@ void fails_on(const std::vector<int>& ranks, launch_settings how = {}) {
     work(l, [&](int step) {
       if (step == 30 && std::ranges::count(ranks, l.rank()))
         throw std::runtime_error("a body left the domain");
+    });
+  });
+}
+
+/// The file of a run, and that of its lock.
+std::string locked_file() { return self + ".locked"; }
+std::string lock_of_file() { return locked_file() + ".lock"; }
+
+/// Rank 0 holds a lock, and hears SIGTERM as a run with --checkpoint does; rank 2 calls `end`.
+void beside_a_lock(void (*end)()) {
+  mpi::launch(launch_settings{}, [&](auto& l) {
+    const detail::listen_to_signals heard;
+    std::optional<detail::run_lock> lock;
+    if (l.rank() == 0) lock.emplace(locked_file(), "the file");
+    work(l, [&](int step) {
+      if (step == 30 && l.rank() == 2) end();
     });
   });
 }
@@ -165,6 +185,8 @@ const std::map<std::string, std::function<void()>> jobs = {
          l.finish_fixed(neighbour_messages);
        });
      }},
+    {"one_beside_a_lock", [] { beside_a_lock([] { throw std::runtime_error("a body left"); }); }},
+    {"exit_beside_a_lock", [] { beside_a_lock([] { detail::end_of_job.load()(3); }); }},
     {"threads", [] { threads::launch({}, [](auto&) { std::fputs("ran\n", stderr); }); }},
     {"serial", [] { serial::launch({}, [](auto&) { std::fputs("ran\n", stderr); }); }},
 };
@@ -269,6 +291,15 @@ TEST_CASE("mpi: ranks may end at different times when nobody waits for them") {
   CHECK(result.text == "done\ndone\n");
   CHECK(result.status == 0);
   CHECK(result.seconds < 20);
+}
+
+TEST_CASE("mpi: no lock of rank 0 is left when another rank fails") {
+  check_job("one_beside_a_lock", "error on rank 2 of 4: a body left");
+  CHECK(::access(lock_of_file().c_str(), F_OK) != 0);
+  const outcome result = run("exit_beside_a_lock");
+  CHECK(result.status == 3);
+  CHECK(::access(lock_of_file().c_str(), F_OK) != 0);
+  ::unlink(lock_of_file().c_str());
 }
 
 TEST_CASE("threads and serial refuse to run several times over, and say so once") {

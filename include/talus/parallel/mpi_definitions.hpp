@@ -2,6 +2,7 @@
 // The definitions of mpi.hpp, in the compiled part or in each program.
 #include <mpi.h>
 
+#include <atomic>
 #include <boost/mpi/collectives.hpp>
 #include <boost/mpi/collectives/all_gatherv.hpp>  // which collectives.hpp forgets
 #include <boost/mpi/environment.hpp>
@@ -256,12 +257,19 @@ TALUS_MPI_INLINE void mpi::launch_each(const settings& how, const body& main) {
   if (ranks.size() == 1) return run(how, ranks, main, nullptr);
 
   detail::mpi_verdict verdict(ranks);
+  static std::atomic<detail::mpi_verdict*> verdict_of_job;
   struct whole_job {
-    whole_job() {
-      detail::end_of_job = [](int code) { MPI_Abort(MPI_COMM_WORLD, code); };
+    explicit whole_job(detail::mpi_verdict& verdict) {
+      verdict_of_job = &verdict;
+      detail::end_of_job = [](int code) {
+        int here = 0;  // MPI serves one thread
+        if (MPI_Is_thread_main(&here) == MPI_SUCCESS && here != 0)
+          verdict_of_job.load()->leave_locks();
+        MPI_Abort(MPI_COMM_WORLD, code);
+      };
     }
     ~whole_job() { detail::end_of_job = nullptr; }
-  } const job;
+  } const job(verdict);
   const auto end_with = [&](const char* error) {
     if (!verdict.first()) verdict.wait_for_the_end();
     how.report(detail::compose("error on rank {} of {}: {}", ranks.rank(), ranks.size(), error));

@@ -43,6 +43,7 @@ class mpi_patience {
     for (unsigned polls = 1;; ++polls) {
       if (done()) return;
       if (polls % 64 != 0) continue;
+      who_left_->heed_failure();
       if (!waited) {
         waited.emplace(*watch_);
         look = clock::now() + std::chrono::duration_cast<clock::duration>(

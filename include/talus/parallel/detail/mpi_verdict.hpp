@@ -17,7 +17,8 @@
 namespace talus::detail {
 
 /// The flag, and after it a number for each rank: 0, or 1 plus the collective calls of its program
-/// when that ended. Then whether a long wait is reported, and for each rank what it waits for.
+/// when that ended. Then whether a long wait is reported, for each rank what it waits for, and
+/// whether rank 0, which holds the locks of outputs, has removed them because another rank failed.
 /// One-sided (C API: Boost.MPI has no windows), because the other ranks are busy or blocked. All
 /// ranks construct and destroy it together. Some installations of MPI have no windows between
 /// machines (Debian's Open MPI over Ethernet): then ranks wait for others without end, and each
@@ -29,7 +30,7 @@ class mpi_verdict {
   explicit mpi_verdict(const boost::mpi::communicator& ranks) : ranks_(ranks) {
     std::uint64_t* words = nullptr;
     const auto size = static_cast<std::size_t>(ranks.size());
-    const std::size_t count = ranks.rank() == 0 ? 2 + 2 * size : 0;
+    const std::size_t count = ranks.rank() == 0 ? 3 + 2 * size : 0;
     waits_.resize(size);
     MPI_Errhandler before = MPI_ERRHANDLER_NULL;
     MPI_Comm_get_errhandler(ranks, &before);
@@ -50,6 +51,7 @@ class mpi_verdict {
     MPI_Win_set_errhandler(window_, MPI_ERRORS_RETURN);
     MPI_Win_lock_all(MPI_MODE_NOCHECK, window_);
     std::fill_n(words, count, 0);
+    if (count > 0) words_ = words;
     MPI_Win_sync(window_);
     ranks.barrier();
   }
@@ -86,13 +88,20 @@ class mpi_verdict {
 
   /// Until the first rank ends the job, which takes milliseconds; ends it itself after ten seconds.
   [[noreturn]] void wait_for_the_end() {
-    run_lock::leave_all();
+    leave_own_locks();
     const auto deadline = clock::now() + std::chrono::seconds(10);
     while (clock::now() < deadline) {
       ranks_.iprobe();  // lets MPI serve the flag
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     end();
+  }
+
+  /// On rank 0, while it waits: takes part in the end if another rank has failed.
+  void heed_failure() {
+    if (words_ == nullptr) return;
+    MPI_Win_sync(window_);
+    if (*const_cast<const volatile std::uint64_t*>(words_) != 0) wait_for_the_end();
   }
 
   /// This rank's program has returned, after so many collective calls.
@@ -144,11 +153,26 @@ class mpi_verdict {
   }
 
   [[noreturn]] void end() {
-    run_lock::leave_all();
-    // Rank 0 holds the locks of outputs, and often is about to fail for the same reason.
-    if (ranks_.rank() != 0) std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    leave_locks();
     ranks_.abort(EXIT_FAILURE);
     std::abort();  // not reached; MPI_Abort does not promise that
+  }
+
+  /// Before this rank ends the job. Rank 0 removes its locks when it waits next: it has two seconds
+  /// for that. (What it leaves then goes with the next run.)
+  void leave_locks() {
+    leave_own_locks();
+    if (ranks_.rank() == 0) return;
+    if (window_ == MPI_WIN_NULL)  // rank 0 often is about to fail for the same reason
+      return std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    const auto deadline = clock::now() + std::chrono::seconds(2);
+    (void)first();
+    while (clock::now() < deadline && old_left_ == 0 && answered([&](MPI_Request* request) {
+             return MPI_Rget_accumulate(nullptr, 0, MPI_UINT64_T, &old_left_, 1, MPI_UINT64_T, 0,
+                                        static_cast<MPI_Aint>(locks_left()), 1, MPI_UINT64_T,
+                                        MPI_NO_OP, window_, request);
+           }))
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 
  private:
@@ -167,9 +191,22 @@ class mpi_verdict {
     return answers_ = false;
   }
 
+  /// The place of the last of the words.
+  [[nodiscard]] std::size_t locks_left() const {
+    return 2 + 2 * static_cast<std::size_t>(ranks_.size());
+  }
+  /// Removes the locks of this process. Rank 0 tells the others.
+  void leave_own_locks() {
+    run_lock::leave_all();
+    if (words_ == nullptr) return;
+    words_[locks_left()] = 1;
+    MPI_Win_sync(window_);
+  }
+
   boost::mpi::communicator ranks_;
+  std::uint64_t* words_ = nullptr;  ///< on rank 0, if there is a window
   bool answers_ = true, limited_ = false;
-  std::uint64_t note_ = 0, old_note_ = 0, claim_ = 0, old_claim_ = 0;
+  std::uint64_t note_ = 0, old_note_ = 0, claim_ = 0, old_claim_ = 0, old_left_ = 0;
   std::vector<std::uint64_t> waits_;
   MPI_Win window_ = MPI_WIN_NULL;
   int before_ = 0;
