@@ -321,6 +321,39 @@ END
     $(cat mine.json.part-backup) == mine ]] || fail "a file of the user is gone"
 }
 
+# A signal that ends a run, or one of its processes, leaves no lock.
+ended() {
+  local signal pid code
+  for signal in TERM INT HUP USR1 XCPU; do
+    rm -f l.log
+    # (A shell without jobs starts what is in the background without SIGINT.)
+    python3 -c 'import os, signal, sys
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+os.execv(sys.argv[1], sys.argv[1:])' "$program" --quiet --steps 1000000000 --log l.log --json e.json --csv e.csv >out 2>&1 &
+    pid=$!
+    wait_for l.log
+    wait_for e.csv.config.toml
+    kill -$signal $pid
+    code=0
+    wait $pid || code=$?
+    [[ $code == $((128 + $(kill -l $signal))) ]] || { cat out; fail "exit code $code after SIG$signal"; }
+    nothing_left
+    rm e.*
+  done
+  rm -f l.log
+  "${launch[@]}" "$program" --quiet --steps 1000000000 --log l.log --json e.json --csv e.csv >out 2>&1 &
+  pid=$!
+  wait_for e.csv.config.toml
+  # The process that holds no lock is killed.
+  local holder each
+  holder=$(sed -n 's/^process //p' e.json.lock)
+  for each in $(pgrep -f "^$program .*--json e.json"); do [[ $each == "$holder" ]] || kill -KILL $each; done
+  code=0
+  wait $pid || code=$?
+  [[ $code != 0 ]] || fail "a job without one of its processes ends well"
+  nothing_left
+}
+
 # The index of a series is JSON whatever its name, and of this run alone.
 index() {
   local odd=$'a "b"\\<\t'

@@ -7,13 +7,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <ctime>
-#include <mutex>
-#include <set>
 #include <string>
 #include <string_view>
 
@@ -57,7 +58,9 @@ class run_lock {
   /// of other machines may still write them.
   [[gnu::cold]] void remove_left_over(const std::string& file, std::string_view end = {}) const;
   /// Removes the files of all locks of this process, which then ends at once, without destructors.
+  /// A handler of signals may call it after prepare_to_leave().
   [[gnu::cold]] static void leave_all();
+  [[gnu::cold]] static void prepare_to_leave();
   /// Whether this is the lock of that file, for any form of its path.
   [[nodiscard, gnu::cold]] bool is_of(const std::string& file) const;
 
@@ -65,21 +68,38 @@ class run_lock {
   [[gnu::cold]] void take(const std::string& file);
   [[gnu::cold]] void open();
   void close();
+  void remove_file() const;
   [[nodiscard, gnu::cold]] bool is_named() const;
   [[nodiscard, gnu::cold]] std::string text() const;
   [[noreturn, gnu::cold]] void refuse();
 
-  /// The locks of this process.
+  /// The locks of this process, as far as there is room; those beyond go with the next run. A lock
+  /// that is destroyed after leave_all() began waits there for the end.
   struct locks_held {
-    std::mutex mutex;
-    std::set<run_lock*> locks;
+    std::array<std::atomic<run_lock*>, 64> locks{};
+    std::atomic<bool> leaving = false;
+    static_assert(std::atomic<run_lock*>::is_always_lock_free);
   };
   [[nodiscard]] static locks_held& all_held();
 
   std::string name_;
   int id_ = -1;
-  bool locked_ = false;     ///< by the file system, not by the text of the file alone
-  bool owns_file_ = false;  ///< FILE.lock was made by a run
+  pid_t process_ = ::getpid();  ///< that holds it; a fork leaves the file to it
+  bool locked_ = false;         ///< by the file system, not by the text of the file alone
+  bool owns_file_ = false;      ///< FILE.lock was made by a run
+};
+
+/// In its lifetime signals that end the process remove the files of its locks before.
+class locks_end_with_signals {
+ public:
+  locks_end_with_signals();
+  locks_end_with_signals(const locks_end_with_signals&) = delete;
+  locks_end_with_signals& operator=(const locks_end_with_signals&) = delete;
+  ~locks_end_with_signals();
+
+ private:
+  static constexpr std::array signals{SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGXCPU};
+  std::array<struct sigaction, signals.size()> before_{};
 };
 
 }  // namespace talus::detail

@@ -66,9 +66,10 @@ TALUS_INLINE run_lock::run_lock(const std::string& file, const std::string& outp
   } catch (const std::exception& e) {
     fail<std::runtime_error>("{} {}", output, e.what());
   }
-  locks_held& held = all_held();
-  const std::lock_guard lock(held.mutex);
-  held.locks.insert(this);
+  for (auto& place : all_held().locks) {
+    run_lock* none = nullptr;
+    if (place.compare_exchange_strong(none, this)) break;
+  }
 }
 
 TALUS_INLINE run_lock::locks_held& run_lock::all_held() {
@@ -76,11 +77,13 @@ TALUS_INLINE run_lock::locks_held& run_lock::all_held() {
   return *held;
 }
 
+TALUS_INLINE void run_lock::prepare_to_leave() { (void)all_held(); }
+
 TALUS_INLINE void run_lock::leave_all() {
   locks_held& held = all_held();
-  const std::lock_guard lock(held.mutex);
-  for (const run_lock* each : held.locks)
-    if (each->owns_file_ && each->is_named()) ::unlink(each->name_.c_str());
+  held.leaving = true;
+  for (const auto& place : held.locks)
+    if (const run_lock* const each = place; each != nullptr) each->remove_file();
 }
 
 TALUS_INLINE void run_lock::take(const std::string& file) {
@@ -114,10 +117,17 @@ TALUS_INLINE void run_lock::take(const std::string& file) {
 
 TALUS_INLINE run_lock::~run_lock() {
   locks_held& held = all_held();
-  const std::lock_guard lock(held.mutex);
-  held.locks.erase(this);
-  if (id_ >= 0 && owns_file_ && is_named()) ::unlink(name_.c_str());
+  for (auto& place : held.locks) {
+    run_lock* own = this;
+    if (place.compare_exchange_strong(own, nullptr)) break;
+  }
+  while (held.leaving) ::pause();
+  remove_file();
   close();
+}
+
+TALUS_INLINE void run_lock::remove_file() const {
+  if (id_ >= 0 && owns_file_ && process_ == ::getpid() && is_named()) ::unlink(name_.c_str());
 }
 
 TALUS_INLINE void run_lock::remove_left_over(const std::string& file, std::string_view end) const {
@@ -180,6 +190,25 @@ TALUS_INLINE void run_lock::refuse() {
   fail<std::runtime_error>(
       "is being written by another run ({}): wait for its end or stop it, or name another file",
       lock_holder::from_text(who).words());
+}
+
+TALUS_INLINE locks_end_with_signals::locks_end_with_signals() {
+  run_lock::prepare_to_leave();
+  for (std::size_t k = 0; k < signals.size(); ++k) {
+    struct sigaction action {};
+    sigemptyset(&action.sa_mask);
+    action.sa_handler = [](int signal) {
+      run_lock::leave_all();
+      (void)std::signal(signal, SIG_DFL);
+      (void)::raise(signal);  // ends the process when this returns
+    };
+    sigaction(signals[k], nullptr, &before_[k]);
+    if (before_[k].sa_handler == SIG_DFL) sigaction(signals[k], &action, nullptr);
+  }
+}
+
+TALUS_INLINE locks_end_with_signals::~locks_end_with_signals() {
+  for (std::size_t k = 0; k < signals.size(); ++k) sigaction(signals[k], &before_[k], nullptr);
 }
 
 }  // namespace talus::detail

@@ -19,6 +19,7 @@
 
 #include "talus/core/clock.hpp"
 #include "talus/core/output_file.hpp"
+#include "talus/core/run_lock.hpp"
 #include "talus/io/run_signals.hpp"
 #include "talus/observe/critical_dt.hpp"
 #include "talus/observe/half_frictionless.hpp"
@@ -403,7 +404,9 @@ int run_caught(int argc, char** argv, SetUp& set_up, const std::string& name, ru
     int code = 0;
     Scenario::transport::launch(settings, [&](auto& link) {
       const int of_rank = run_rank<Scenario>(link, std::as_const(chosen), name, set_up, log, began);
-      if (link.rank() == 0 || find_launcher().size > 1) code = of_rank;
+      const bool job = find_launcher().size > 1;
+      if (job) listening.reset();  // a launcher may end this process before MPI is at its end
+      if (link.rank() == 0 || job) code = of_rank;
     });
     return code;
   } catch (const help_requested& help) {
@@ -433,6 +436,7 @@ int run_checked(int argc, char** argv, SetUp& set_up) {
     if (::fcntl(id, F_GETFD) < 0) (void)::open("/", O_RDONLY | O_DIRECTORY);
   // What takes no more is said like any other failure, and does not end the process.
   const ignored_signal size(SIGXFSZ), pipe(SIGPIPE);
+  const locks_end_with_signals leaving;
   const std::string name = program_name(argc > 0 ? argv[0] : nullptr);
   run_log log(name);
   return log.finish(run_caught<Scenario, Options>(argc, argv, set_up, name, log));
