@@ -329,6 +329,18 @@ class Worlds(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "an orientation needs four numbers"):
             spheres.find_overlaps(1, position=(0, 0, 9), orientation="up")
 
+    def test_what_was_made_without_its_init_is_refused(self):
+        for kind in (drop.World, drop.Bodies, mechanism.World, mechanism.Bodies, mechanism.Joint):
+            empty = kind.__new__(kind)
+            names = [n for n in vars(kind) if not n.startswith("__") or n == "__len__"]
+            self.assertGreater(len(names), 5)
+            for name in names:
+                with self.subTest(kind=kind, name=name), self.assertRaisesRegex(TypeError, "without its __init__|incompatible function arguments"):
+                    found = getattr(empty, name)
+                    found()
+        with self.assertRaisesRegex(TypeError, "World was made without its __init__"):
+            drop.World.__new__(drop.World).step()
+
     def test_bodies_are_found_by_rays_points_and_regions(self):
         world = mechanism.World()
         spheres = world.bodies["sphere"]
@@ -384,6 +396,11 @@ class Worlds(unittest.TestCase):
         self.assertIn("--iterations", drop.World.__doc__)
         with self.assertRaisesRegex(ValueError, "the bar has its own mass"):
             mechanism.World(bar_mass=2)
+
+    def test_an_option_is_no_bytes(self):
+        for name in (b"t.csv", bytearray(b"t.csv")):
+            with self.assertRaisesRegex(TypeError, "csv needs a text, but is given bytes"):
+                drop.World(csv=name)
 
     def test_exceptions_of_the_scene_arrive(self):
         with self.assertRaisesRegex(ValueError, "the set-up has no wood"):

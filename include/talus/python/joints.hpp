@@ -14,6 +14,7 @@
 
 #include "talus/constraint/joint_axis.hpp"
 #include "talus/core/error.hpp"
+#include "talus/python/made_objects.hpp"
 #include "talus/state/state.hpp"
 #include "talus/world/joint_handle.hpp"
 #include "talus/world/state_of.hpp"
@@ -60,6 +61,15 @@ struct any_joint {
   std::function<void(const pybind11::kwargs&)> set_motor;
   std::function<void()> release;
 };
+
+}  // namespace talus::detail
+
+/// Functions of Python refuse such an object without a value.
+template <>
+class pybind11::detail::type_caster<talus::detail::any_joint>
+    : public talus::detail::caster_of_made_objects<talus::detail::any_joint> {};
+
+namespace talus::detail {
 
 template <class Session, class Kind>
 [[nodiscard]] any_joint joint_for_python(const std::shared_ptr<Session>& s, const joint_key& key) {

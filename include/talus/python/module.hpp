@@ -19,6 +19,7 @@
 #include "talus/observe/summary_json.hpp"
 #include "talus/python/arrays.hpp"
 #include "talus/python/joints.hpp"
+#include "talus/python/made_objects.hpp"
 #include "talus/python/session.hpp"
 #include "talus/scene/options.hpp"
 
@@ -66,6 +67,8 @@ inline constexpr const char* sizes_are_numbers =
     };
     if (!has(" ") && !has("=") && !has("\n")) std::replace(name.begin(), name.end(), '_', '-');
     if (value.is_none()) continue;
+    if (PyBytes_Check(value.ptr()) || PyByteArray_Check(value.ptr()))
+      throw pybind11::type_error(compose("{} needs a text, but is given bytes: decode them", name));
     const std::string text =
         py::isinstance<py::bool_>(value) ? value.cast<bool>() ? "true" : "false"
         : py::isinstance<py::float_>(value)
@@ -146,6 +149,20 @@ struct bodies_of_one_shape {
   }
 };
 
+}  // namespace detail
+}  // namespace talus
+
+/// Functions of Python refuse such an object without a value.
+template <class Session>
+class pybind11::detail::type_caster<talus::detail::driven_world<Session>>
+    : public talus::detail::caster_of_made_objects<talus::detail::driven_world<Session>> {};
+/// Functions of Python refuse such an object without a value.
+template <class Session>
+class pybind11::detail::type_caster<talus::detail::bodies_of_one_shape<Session>>
+    : public talus::detail::caster_of_made_objects<talus::detail::bodies_of_one_shape<Session>> {};
+
+namespace talus::detail {
+
 inline constexpr std::pair<const char*, const char*> column_words[] = {
     {"positions", "Centres of mass, one row for each body. Read-only, without a copy."},
     {"velocities", "Velocities of the centres of mass, likewise."},
@@ -154,5 +171,4 @@ inline constexpr std::pair<const char*, const char*> column_words[] = {
     {"ids", "Ids of the bodies, likewise. The order of the bodies may change from step to step."},
     {"radii", "Radii, likewise, of shapes that have one."}};
 
-}  // namespace detail
-}  // namespace talus
+}  // namespace talus::detail
