@@ -1,7 +1,11 @@
 """What the benchmarks beside other engines share: their options, their rows, their pictures."""
 import argparse
 import json
-import os
+import pathlib
+import sys
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "python"))
+from whole_file import require_place_of_json, write_whole  # noqa: E402
 
 
 def rivals(benchmark, known):
@@ -24,20 +28,24 @@ def positive(text):
 
 
 def file_for_rows(text):
-    """The type of --json: a file in a folder that exists."""
-    if text and not os.path.isdir(os.path.dirname(os.path.abspath(text))):
-        raise argparse.ArgumentTypeError(f"there is no folder for {text}")
+    """The type of --json: a file that rows may replace."""
+    try:
+        require_place_of_json(text)
+    except OSError as e:
+        raise argparse.ArgumentTypeError(f"{text} cannot be written: {e.strerror}")
     return text
 
 
 def write_rows(rows, file, indent=None):
     """The rows as JSON, in the file or on the standard output."""
     text = "[\n" + ",\n".join(json.dumps(row, indent=indent) for row in rows) + "\n]\n"
-    if file:
-        with open(file, "w") as opened:
-            opened.write(text)
-    else:
-        print(text, end="")
+    try:
+        if file:
+            write_whole(pathlib.Path(file), text)
+        else:
+            print(text, end="", flush=True)
+    except OSError as e:
+        sys.exit(f"{file or 'the standard output'} cannot be written: {e.strerror}")
 
 
 def pyplot():

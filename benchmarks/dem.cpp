@@ -151,7 +151,7 @@ int main(int argc, char** argv) {
     const auto steps = args.count("measure", 500);
     const auto parts = args.count("parts", 5);  // of which the fastest counts
     const auto ranks = static_cast<int>(args.count("ranks", 0));
-    const auto file = args.text("json", "");
+    const auto file = args.json_file();
     if (!args.done()) return;
     if (parts == 0 || steps < parts)
       throw std::invalid_argument(

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
-#include <fstream>
+#include <sstream>
 #include <string>
 #include <talus/mesh.hpp>
 #include <talus/parallel/serial.hpp>
@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "dosta.hpp"
+#include "scenes/report.hpp"
 
 namespace dosta {
 
@@ -56,8 +57,8 @@ inline drum_result run_drum(const std::string& folder, const drum_settings& sett
     w.add(talus::body{.shape = talus::sphere{g.radius},
                       .position = g.position,
                       .material = g.radius > 0.0015 ? m.m2 : m.m1});
-  std::ofstream curve;
-  if (!settings.curve.empty()) curve.open(settings.curve);
+  if (!settings.positions.empty()) bench::require_place(settings.positions, bench::state_output);
+  std::string curve;  // so far: the file always is a whole one
   drum_result r;
   const auto look = [&] {
     drum_result now;
@@ -75,10 +76,12 @@ inline drum_result run_drum(const std::string& folder, const drum_settings& sett
     return now;
   };
   const auto write = [&](double time) {
-    if (!curve.is_open()) return;
+    if (settings.curve.empty()) return;
     const drum_result now = look();
-    curve << time << " " << now.m1_upper << " " << now.m2_upper << " " << now.m1_lower << " "
-          << now.m2_lower << std::endl;
+    std::ostringstream line;
+    line << time << " " << now.m1_upper << " " << now.m2_upper << " " << now.m1_lower << " "
+         << now.m2_lower << "\n";
+    bench::write_file(curve += line.str(), settings.curve, bench::state_output);
   };
   const auto steps = static_cast<long>(std::llround(settings.time / settings.dt));
   const long every = std::max(1L, std::lround(0.05 / settings.dt));
@@ -96,9 +99,10 @@ inline drum_result run_drum(const std::string& folder, const drum_settings& sett
     });
     std::sort(places.begin(), places.end(),
               [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::ofstream out(settings.positions);
+    std::ostringstream out;
     out.precision(17);
     for (const auto& [id, p] : places) out << p[0] << " " << p[1] << " " << p[2] << "\n";
+    bench::write_file(out.str(), settings.positions, bench::state_output);
   }
   r = look();
   r.cpu_seconds = seconds, r.steps = static_cast<double>(steps);

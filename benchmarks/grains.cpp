@@ -147,7 +147,7 @@ int main(int argc, char** argv) {
     const auto settle = args.count("settle", 720);
     const auto measure = args.count("measure", 120);
     const auto iterations = args.count("iterations", 0);
-    const auto file = args.text("json", "");
+    const auto file = args.json_file();
     if (!args.done()) return;
     if (shape == "capsule")
       run<capsules>("capsules", bodies, settle, measure, iterations, file);

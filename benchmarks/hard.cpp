@@ -169,7 +169,7 @@ found hold(const hard_scene& s, int ranks, bool across, bool same_bits, real dt)
 void run(bench::arguments args) {
   const auto only = args.text("only", "");
   const auto rate = args.count("rate", 240);
-  const auto file = args.text("json", "");
+  const auto file = args.json_file();
   if (!args.done()) return;
   std::string rows;
   for (const hard_scene& s : all_scenes()) {

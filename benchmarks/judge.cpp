@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <fstream>
 #include <limits>
+#include <sstream>
 #include <string>
 
 #include "scenes/checker.hpp"
@@ -16,17 +17,17 @@ int main(int argc, char** argv) {
     const auto seed = args.count("seed", 1);
     const auto write = args.text("write", "");  // a line for each body: x y z radius
     const auto read = args.text("read", "");    // a line for each body: x y z vx vy vz
-    const auto file = args.text("json", "");
+    const auto file = args.json_file();
     if (!args.done()) return;
 
     bench::scene s = bench::pile_scene(bodies, seed);
     if (!write.empty()) {
-      std::ofstream out(write);
+      std::ostringstream out;
       out.precision(std::numeric_limits<double>::max_digits10);
       for (const bench::ball& b : s.balls)
         out << b.position[0] << ' ' << b.position[1] << ' ' << b.position[2] << ' ' << b.radius
             << '\n';
-      if (!out.flush()) throw std::runtime_error("cannot write '" + write + "'");
+      bench::write_file(out.str(), write, bench::state_output);
     }
     if (read.empty()) return;
     std::ifstream in(read);

@@ -105,7 +105,7 @@ int main(int argc, char** argv) {
     bench::arguments args(argc, argv);
     const auto milliseconds = args.count("milliseconds", 1000);  // for each figure
     const auto largest = args.count("megabytes", 768);           // of each thread
-    const auto file = args.text("json", "");
+    const auto file = args.json_file();
     if (!args.done()) return;
     const double seconds = 1e-3 * static_cast<double>(milliseconds);
     const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));

@@ -234,7 +234,7 @@ int main(int argc, char** argv) {
     run.measure = args.count("measure", 120);
     const auto start = args.text("from", "");
     run.keep = args.text("keep", "");
-    const auto file = args.text("json", "");
+    const auto file = args.json_file();
     const auto solver = args.text("solver", talus::nonlinear_gauss_seidel::name);
     if (!args.done()) return;
     const bool coloured = solver == talus::coloured_gauss_seidel::name;

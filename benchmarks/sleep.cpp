@@ -101,7 +101,7 @@ int main(int argc, char** argv) {
     const auto bodies = args.count("bodies", 8000);
     const auto settle = args.count("settle", 2600);
     const auto measure = args.count("measure", 120);
-    const auto file = args.text("json", "");
+    const auto file = args.json_file();
     if (!args.done()) return;
     run(bodies, settle, measure, file);
   });

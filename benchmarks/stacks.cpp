@@ -25,7 +25,7 @@ void drop(bench::arguments args) {
   const bool together = args.count("together", 0) != 0;
   // The largest component of velocities at the start, in mm/s and in mrad/s.
   const auto speed = 1e-3 * static_cast<double>(args.count("speed", 10));
-  const auto file = args.text("json", "");
+  const auto file = args.json_file();
   if (!args.done()) return;
   serial::link link;
   world<scene> w(link);

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 #include <iostream>
 #include <stdexcept>
 
+#include "scenes/report.hpp"
 #include "validation_bonds.hpp"
 #include "validation_bridges.hpp"
 #include "validation_chung_ooi.hpp"
@@ -38,6 +38,7 @@ int run(int argc, char** argv) {
     } else if (argument == "--only" || argument == "--json") {
       if (i + 1 == argc) throw std::invalid_argument(argument + " needs a value");
       (argument == "--only" ? only : file) = argv[++i];
+      if (argument == "--json") bench::require_place(file, bench::json_output);
     } else {
       throw std::invalid_argument("validation has no option '" + argument +
                                   "'; there are: --quick, --only NAME,..., --json FILE");
@@ -60,14 +61,7 @@ int run(int argc, char** argv) {
   validation::report results;
   for (std::size_t i = 0; i < themes.size(); ++i)
     if (chosen[i]) themes[i].run(results, effort);
-  if (file.empty()) {
-    std::cout << validation::json(results);
-  } else {
-    std::ofstream out(file);
-    out << validation::json(results);
-    out.close();
-    if (!out) throw std::runtime_error("cannot write " + file);
-  }
+  bench::record::write_text(validation::json(results), file);
   int missed = 0;
   for (const auto& r : results)
     if (!r.met()) {

@@ -38,7 +38,7 @@ void wash(bench::arguments args) {
       scenario<bodies<box, convex_polyhedron>, solver<Solver>, transport<serial>, features<driven>>;
   const auto row = args.count("row", 20), steps = args.count("steps", 1000);
   const auto iterations = args.count("iterations", 10);
-  const auto file = args.text("json", "");
+  const auto file = args.json_file();
   if (!args.done()) return;
   serial::link link;
   world<scene> w(link);

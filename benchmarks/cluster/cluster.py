@@ -18,12 +18,16 @@ exit code is 0.
 import argparse
 import json
 import os
+import pathlib
 import shlex
 import shutil
 import stat
 import subprocess
 import sys
 import tempfile
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+import beside  # noqa: E402
 
 TIMEOUT = 1800
 SUBNET = "10.231.7"
@@ -212,7 +216,7 @@ def main():
         options.add_argument("--" + name, type=int, default=default)
     options.add_argument("--from", dest="start")
     options.add_argument("--quick", action="store_true")
-    options.add_argument("--json")
+    options.add_argument("--json", type=beside.file_for_rows, default="")
     given = options.parse_args()
     if given.quick:
         given.bodies, given.settle, given.measure, given.turns = 1000, 5, 5, 1
@@ -238,8 +242,7 @@ def main():
                 cluster.close()
             show(rows)
     if given.json:
-        with open(given.json, "w") as file:
-            json.dump(rows, file, indent=1)
+        beside.write_rows(rows, given.json, indent=1)
 
 
 main()

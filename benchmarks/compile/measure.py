@@ -8,12 +8,16 @@ import argparse
 import collections
 import json
 import os
+import pathlib
 import re
 import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+import beside  # noqa: E402
 
 
 def flags_of(build, source):
@@ -97,7 +101,7 @@ def main():
     parser = argparse.ArgumentParser(prog="./dev compile-cost", description=__doc__.split("\n")[0])
     parser.add_argument("--root", help=argparse.SUPPRESS)
     parser.add_argument("--build", help=argparse.SUPPRESS)
-    parser.add_argument("--json", help="where the numbers go (default: docs/performance/compile.json)")
+    parser.add_argument("--json", type=beside.file_for_rows, help="where the numbers go (default: docs/performance/compile.json)")
     parser.add_argument("--runs", type=int, default=2, help="times each is compiled, the fastest counts")
     parser.add_argument("--keep", metavar="DIR", help="where the objects stay (default: nowhere)")
     parser.add_argument("--compare", nargs=2, metavar="OBJECT", help="what two objects differ in, no more")
@@ -130,8 +134,7 @@ def main():
                 r = rows[-1]
                 print(f"{name:8} {level:5} {r['seconds']:7} {r['seconds_wall']:7} {r['peak_mib']:9}"
                       f" {r['instantiations']:15} {r['object_kib']:11}", flush=True)
-                with open(path, "w") as file:
-                    file.write("[\n" + ",\n".join("  " + json.dumps(r) for r in rows) + "\n]\n")
+                beside.write_rows(rows, path)
     finally:
         if not arguments.keep:
             shutil.rmtree(folder)

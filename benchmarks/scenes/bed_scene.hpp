@@ -6,6 +6,7 @@
 #include <fstream>
 #include <limits>
 #include <numbers>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -58,7 +59,7 @@ struct bed {
   }
   /// A line for each body: position, radius, velocity, angular velocity.
   void write(const std::string& file) const {
-    std::ofstream out(file);
+    std::ostringstream out;
     out.precision(std::numeric_limits<double>::max_digits10);
     for (const ball& b : start.balls) {
       for (const double x : b.position) out << x << ' ';
@@ -67,7 +68,7 @@ struct bed {
       for (const double w : b.spin) out << ' ' << w;
       out << '\n';
     }
-    if (!out.flush()) throw std::runtime_error("cannot write '" + file + "'");
+    write_file(out.str(), file, state_output);
   }
   /// Reads what write() wrote; or, without radii and spins, what another engine moved.
   void read(const std::string& file, bool moved_by_other) {

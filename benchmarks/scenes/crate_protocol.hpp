@@ -34,7 +34,7 @@ void run_crates(arguments args) {
   const auto settle = args.count("settle", usual);
   const auto measure = args.count("measure", 120);
   const auto iterations = args.count("iterations", 0);
-  const auto file = args.text("json", "");
+  const auto file = args.json_file();
   if (!args.done()) return;
 
   const double before = resident_bytes();

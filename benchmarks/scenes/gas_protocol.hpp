@@ -17,7 +17,7 @@ void run_gas(arguments args) {
   const auto measure = args.count("measure", 120);
   const auto iterations = args.count("iterations", 0);
   const auto seed = args.count("seed", 1);
-  const auto file = args.text("json", "");
+  const auto file = args.json_file();
   if (!args.done()) return;
 
   const scene s = gas_scene(bodies, seed);

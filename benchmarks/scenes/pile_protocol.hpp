@@ -28,7 +28,7 @@ void run_pile(arguments args) {
   const auto tiles = args.count("tiles", 1);  // copies along each side of the box
   const auto start = args.text("from", "");
   const auto keep = args.text("keep", "");
-  const auto file = args.text("json", "");
+  const auto file = args.json_file();
   if (!args.done()) return;
 
   if (ratio > 0 && !requires { Engine::takes_boulders; })

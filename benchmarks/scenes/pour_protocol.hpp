@@ -18,7 +18,7 @@ void run_pour(arguments args, Add&& add) {
   const bool lognormal = args.count("lognormal", 0) != 0;
   const auto iterations = args.count("iterations", 0);
   const auto seed = args.count("seed", 1);
-  const auto file = args.text("json", "");
+  const auto file = args.json_file();
   if (!args.done()) return;
   const scene s = pour_scene(bodies, smallest, largest, lognormal, seed);
   const std::string identity = digest(s);

@@ -97,7 +97,7 @@ void run_well(arguments args) {
   const auto measure = std::min(args.count("measure", 500), steps);
   const auto iterations = args.count("iterations", 0);
   const auto seed = args.count("seed", 1);
-  const auto file = args.text("json", "");
+  const auto file = args.json_file();
   if (!args.done()) return;
 
   const scene s = well_scene(bodies, seed);

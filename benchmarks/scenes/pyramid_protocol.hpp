@@ -41,7 +41,7 @@ void run_pyramid(arguments args) {
   const auto seconds = args.count("seconds", 20);
   const auto iterations = args.count("iterations", 0);
   const auto count = args.count("count", 1);
-  const auto file = args.text("json", "");
+  const auto file = args.json_file();
   if (!args.done()) return;
   if (rows == 0 || rate == 0 || seconds == 0 || count == 0)
     throw std::invalid_argument("--rows, --rate, --seconds and --count need to be at least 1");

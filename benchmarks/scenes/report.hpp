@@ -3,18 +3,55 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "talus/core/output_file.hpp"
+
 namespace bench {
+
+/// Files of a benchmark: results, which replace other files of JSON, and states for itself.
+inline constexpr talus::detail::output_kind json_output{
+    "a file of JSON",
+    [](std::string_view head) {
+      const auto at = head.find_first_not_of(" \n\r\t");
+      return at != head.npos && (head[at] == '[' || head[at] == '{');
+    },
+    false};
+inline constexpr talus::detail::output_kind state_output{
+    "a state of a benchmark", [](std::string_view) { return true; }, false};
+
+/// Throws for a file that must not be replaced, or cannot be written, before anything is measured.
+inline void require_place(const std::string& file, const talus::detail::output_kind& kind) {
+  if (file.empty()) throw std::invalid_argument("a file needs a name, but that is empty");
+  if (talus::detail::is_stream(file)) return;
+  const auto target = talus::detail::inspect_target(file, kind, false);
+  if (!target.objection.empty()) throw std::runtime_error(file + " " + target.objection);
+  if (!talus::detail::part_file(file).good())
+    throw std::runtime_error(
+        file + " cannot be written: " + talus::detail::words_of_failed_write(file, 0, errno));
+}
+
+/// Writes a whole file by the one way of outputs.
+inline void write_file(const std::string& text, const std::string& file,
+                       const talus::detail::output_kind& kind) {
+  const talus::detail::ignored_signal size(SIGXFSZ), pipe(SIGPIPE);
+  try {
+    talus::detail::write_output(file, text, kind, false);
+  } catch (const std::exception& e) {
+    throw std::runtime_error(file + " " + e.what());
+  }
+}
 
 /// CPU seconds of all threads of this process so far.
 inline double cpu_seconds() {
@@ -66,6 +103,14 @@ class arguments {
     const std::string value = *(it + 1);
     given_.erase(it, it + 2);
     return value;
+  }
+
+  /// The file of --json, empty unless it is given. Throws for one that must not be replaced.
+  std::string json_file() {
+    const bool given = std::find(given_.begin(), given_.end(), "--json") != given_.end();
+    std::string file = text("json", "");
+    if (given) require_place(file, json_output);
+    return file;
   }
 
   std::uint64_t count(const std::string& name, std::uint64_t fallback) {
@@ -140,12 +185,9 @@ class record {
   void write(const std::string& file) const { write_text(json(), file); }
 
   static void write_text(const std::string& text, const std::string& file) {
-    if (file.empty()) {
-      std::cout << text;
-      return;
-    }
-    std::ofstream out(file);
-    if (!(out << text << std::flush)) throw std::runtime_error("cannot write '" + file + "'");
+    if (!file.empty()) return write_file(text, file, json_output);
+    if (!(std::cout << text << std::flush))
+      throw std::runtime_error("standard output cannot be written: let it go where there is room");
   }
 
  private:

@@ -18,12 +18,10 @@ namespace bench {
 
 /// Numbers as they are in memory: for this machine only.
 inline void save_state(const std::vector<ball>& balls, const std::string& file) {
-  std::ofstream out(file, std::ios::binary);
   const std::uint64_t count = balls.size();
-  out.write(reinterpret_cast<const char*>(&count), sizeof count);
-  out.write(reinterpret_cast<const char*>(balls.data()),
-            static_cast<std::streamsize>(count * sizeof(ball)));
-  if (!out.flush()) throw std::runtime_error("cannot write '" + file + "'");
+  std::string text(reinterpret_cast<const char*>(&count), sizeof count);
+  text.append(reinterpret_cast<const char*>(balls.data()), count * sizeof(ball));
+  write_file(text, file, state_output);
 }
 
 /// Replaces the initial state of the scene; refuses that of another scene.
@@ -54,7 +52,7 @@ struct pile_run {
         measure(args.count("measure", 120)),
         tiles(args.count("tiles", 1)),
         from(args.text("from", "")),
-        file(args.text("json", "")) {}
+        file(args.json_file()) {}
   [[nodiscard]] bench::scene scene() const {
     bench::scene s = pile_scene(bodies);
     if (!from.empty()) load_state(s, from);

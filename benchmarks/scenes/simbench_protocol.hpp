@@ -125,7 +125,7 @@ void run_simbench(arguments args) {
   const auto rate = args.count("rate", 1000);
   const auto iterations = args.count("iterations", 0);
   const auto most = args.count("steps", 0);
-  const auto file = args.text("json", "");
+  const auto file = args.json_file();
   if (!args.done()) return;
   if (rate == 0) throw std::invalid_argument("--rate needs to be at least 1");
   const double dt = 1.0 / static_cast<double>(rate);

@@ -6,7 +6,7 @@ import re
 import statistics
 
 import table
-from runs import write_whole
+from whole_file import write_whole
 
 # Results of every program that are worth a plot if they vary; all that follow state_digest (monitors, and
 # what the set-up returned) are, too.

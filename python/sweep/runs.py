@@ -10,7 +10,6 @@
 A run with neither done.json nor failed.json was interrupted, and begins anew.
 """
 import ctypes
-import errno
 import fcntl
 import hashlib
 import json
@@ -20,62 +19,16 @@ import re
 import shlex
 import shutil
 import signal
-import stat
 import subprocess
 import time
 
 from program import arguments
+from whole_file import write_whole
 
 LIBC = ctypes.CDLL(None, use_errno=True)
 SET_PARENT_DEATH_SIGNAL = 1  # prctl(2), of Linux
 OUT_OF_TIME = 75  # exit code of a program that its --time-limit has ended
 KEPT = {"lock"}
-
-
-def require_replaceable(path):
-    """Raises OSError, with the path, if there is something else than a file."""
-    try:
-        mode = os.lstat(path).st_mode
-    except OSError:
-        return  # absent, or writing it will fail
-    if stat.S_ISLNK(mode):
-        raise OSError(errno.EEXIST, f"this is a symbolic link to {os.readlink(path)}, which a file must not replace", str(path))
-    if not stat.S_ISREG(mode):
-        raise OSError(errno.EEXIST, "this is a folder, a device, a pipe or a socket, which a file must not replace", str(path))
-
-
-def write_whole(path, text):
-    """The file has its old content or the new one, whenever the process or the machine stops. Raises OSError, with the path.
-    The new file is locked until it has its name: what a killed process has left is not."""
-    require_replaceable(path)
-    new = path.with_name(f"{path.name}.{os.getpid()}.new")
-    try:
-        new.unlink(missing_ok=True)  # a killed process had the same number
-        with open(new, "x") as file:
-            fcntl.flock(file, fcntl.LOCK_EX)
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-            os.replace(new, path)
-        folder = os.open(path.parent, os.O_RDONLY)
-        os.fsync(folder)
-        os.close(folder)
-    except OSError as e:
-        new.unlink(missing_ok=True)
-        raise OSError(e.errno, e.strerror, str(path)) from None
-
-
-def remove_leftovers(folder, names):
-    """Removes what killed processes have left of writing files of these names."""
-    for new in folder.glob("*.new"):
-        name, _, process = new.name.removesuffix(".new").rpartition(".")
-        if name in names and process.isdigit() and new.is_file():
-            with open(new) as file:
-                try:
-                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                except OSError:
-                    continue  # its process is alive
-                new.unlink(missing_ok=True)
 
 
 def read(path):

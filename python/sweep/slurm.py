@@ -3,7 +3,7 @@ import pathlib
 import re
 import shlex
 
-from runs import write_whole
+from whole_file import write_whole
 
 TIME = r"\d+|\d+:\d\d(:\d\d)?|\d+-\d+(:\d\d){0,2}"  # as sbatch(1) reads it
 MOST = 1000  # tasks of an array: Slurm's default limit (MaxArraySize 1001)

@@ -25,7 +25,8 @@ from design import Wrong  # noqa: E402
 from printable import Parser  # noqa: E402
 from program import WHOLE, Program  # noqa: E402
 from progress import Progress, say  # noqa: E402
-from runs import Run, name_of, read, remove_leftovers, write_whole  # noqa: E402
+from runs import Run, name_of, read  # noqa: E402
+from whole_file import remove_leftovers, write_whole  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 KINDS = {"program": str, "digest": str, "options": list, "ranks": int, "limit": (int, float)}  # in sweep.json

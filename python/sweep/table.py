@@ -3,7 +3,7 @@ import csv
 import io
 import math
 
-from runs import write_whole
+from whole_file import write_whole
 
 
 def scalars(results):

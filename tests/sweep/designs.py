@@ -6,6 +6,7 @@ import unittest
 
 ROOT = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2]).resolve()
 sys.path.insert(0, str(ROOT / "python" / "sweep"))
+sys.path.append(str(ROOT / "python"))
 import design
 import program
 import slurm
