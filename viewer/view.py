@@ -1,12 +1,26 @@
 """./dev view: a page that shows what --output has written. docs/view.md"""
-import csv
-import fcntl
-import glob
 import os
-import pathlib
 import signal
-import stat
 import sys
+
+ENDS = [kind for kind in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP) if signal.getsignal(kind) != signal.SIG_IGN]  # as under nohup
+
+
+def end_at_once(number, _):
+    """What is being imported could take an exception for its own."""
+    os.write(2, f"view: ended by {signal.Signals(number).name}\n".encode())
+    os._exit(128 + number)
+
+
+if __name__ == "__main__":
+    for one in ENDS:
+        signal.signal(one, end_at_once)
+
+import csv  # noqa: E402
+import fcntl  # noqa: E402
+import glob  # noqa: E402
+import pathlib  # noqa: E402
+import stat  # noqa: E402
 
 sys.dont_write_bytecode = True
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parent), str(pathlib.Path(__file__).resolve().parents[1] / "python")]
@@ -110,6 +124,18 @@ def remove_leftovers(path):
                 os.unlink(part)
 
 
+def begun_page(path):
+    """An open file beside a page, and the name that it gets when it is whole. It has none before, so that nothing is left of a
+    process that is killed; where the file system has no files without names, it has that name, and a lock. Raises OSError."""
+    part = f"{path}.part-{os.getpid()}"
+    try:
+        return os.fdopen(os.open(os.path.dirname(path) or ".", os.O_TMPFILE | os.O_RDWR, 0o666), "w", encoding="utf-8"), part
+    except OSError:
+        beside = open(part, "x", encoding="utf-8")
+        fcntl.flock(beside, fcntl.LOCK_EX)
+        return beside, part
+
+
 def write_page(o, base):
     import frames
     path = o.html or base + ".html"
@@ -125,14 +151,12 @@ def write_page(o, base):
     before, between, end = page.parts(pathlib.Path(__file__).resolve().parent)
     converter = frames.Converter(base, o.contacts)
     remove_leftovers(path)
-    part = f"{path}.part-{os.getpid()}"
     try:
-        beside = open(part, "x", encoding="utf-8")
-        fcntl.flock(beside, fcntl.LOCK_EX)
+        out, part = begun_page(path)
     except OSError as error:
         sys.exit(f"view: {path} cannot be written: {error.strerror}")
     try:
-        with beside as out:
+        with out:
             out.write(before + three + between)
             out.write(page.script_of("about", about(base, names)))
             for file, time in files:
@@ -143,9 +167,12 @@ def write_page(o, base):
             out.write(page.script_of("end", {"notes": sorted(converter.notes)}))
             out.write(end)
             out.flush()
+            if not os.path.exists(part):
+                os.link(f"/proc/self/fd/{out.fileno()}", part, src_dir_fd=out.fileno(), follow_symlinks=True)
             os.replace(part, path)
     except BaseException as error:
-        os.unlink(part)
+        if os.path.exists(part):
+            os.unlink(part)
         if isinstance(error, OSError):
             sys.exit(f"view: {path} cannot be written: {error.strerror}")
         raise
@@ -179,12 +206,13 @@ def main():
     base = frames.series_of(o.output)
     try:
         if o.serve is None:
-            for kind in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-                if signal.getsignal(kind) != signal.SIG_IGN:  # as under nohup
-                    signal.signal(kind, on_signal)
+            for one in ENDS:
+                signal.signal(one, on_signal)
             write_page(o, base)
         else:
             import serve
+            if signal.SIGINT in ENDS:
+                signal.signal(signal.SIGINT, signal.default_int_handler)  # the end of a server that a terminal holds
             serve.serve(o, base)
     except frames.Error as error:
         sys.exit(f"view: {error}")
