@@ -1,12 +1,15 @@
 #include "talus/core/output_file.hpp"
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -107,4 +110,32 @@ TEST_CASE("the rest of a killed run is removed, and no file of another name") {
   detail::remove_parts_of(std::filesystem::current_path() / "k_", ".hdf");
   for (const std::string& name : rests) CHECK_FALSE(std::filesystem::exists(name));
   for (const std::string& name : others) CHECK(std::filesystem::exists(name));
+}
+
+TEST_CASE("a killed process leaves no unfinished output where files may have no names") {
+  const scratch here;
+  const std::string folder = "parts";
+  std::filesystem::create_directory(folder);
+  const auto entries = [&] {
+    return std::distance(std::filesystem::directory_iterator(folder), {});
+  };
+  const int probe = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  const bool nameless = probe >= 0;
+  if (nameless) ::close(probe);
+  {
+    detail::part_file part(folder + "/a");
+    REQUIRE(part.good());
+    REQUIRE(detail::write_text(part.id(), "text"));
+    CHECK(entries() == (nameless ? 0 : 1));
+    REQUIRE(part.rename_to(folder + "/a"));
+    CHECK(entries() == 1);
+    detail::part_file lost(folder + "/b");
+    detail::part_file named(folder + "/c", true);
+    CHECK(std::filesystem::exists(named.name()));
+    detail::part_file replaced(folder + "/a");
+    REQUIRE(detail::write_text(replaced.id(), "other"));
+    REQUIRE(replaced.rename_to(folder + "/a"));
+  }
+  CHECK(entries() == 1);
+  CHECK(std::filesystem::file_size(folder + "/a") == 5);
 }

@@ -77,9 +77,10 @@ class ignored_signal {
   void (*before_)(int);
 };
 
-/// A temporary file beside an output, PATH.part-, six random letters, and six that follow from the
-/// name before them: no other file has such a name by chance. It gets the name of the output when
-/// it is complete, and is removed otherwise.
+/// A temporary file beside an output. It gets the name of the output when it is complete, and is
+/// removed otherwise. Where the file system can, it has no name before, so that nothing is left of
+/// a process that is killed; otherwise it is PATH.part-, six random letters, and six that follow
+/// from the name before them: no other file has such a name by chance.
 class part_file {
  public:
   static constexpr std::string_view infix = ".part-";
@@ -89,19 +90,24 @@ class part_file {
   [[nodiscard, gnu::cold]] static std::string seal(std::string_view name);
 
   part_file() = default;
-  [[gnu::cold]] explicit part_file(const std::string& path);
+  /// `named`: others open it by its name().
+  [[gnu::cold]] explicit part_file(const std::string& path, bool named = false);
   part_file(const part_file&) = delete;
   part_file& operator=(const part_file&) = delete;
   part_file(part_file&& other) noexcept
-      : name_(std::move(other.name_)), id_(std::exchange(other.id_, -1)) {}
+      : name_(std::move(other.name_)),
+        id_(std::exchange(other.id_, -1)),
+        named_(std::exchange(other.named_, false)) {}
   part_file& operator=(part_file&& other) noexcept {
     std::swap(name_, other.name_);
     std::swap(id_, other.id_);
+    std::swap(named_, other.named_);
     return *this;
   }
   ~part_file();
   [[nodiscard]] bool good() const { return id_ >= 0; }
   [[nodiscard]] int id() const { return id_; }
+  /// Of the file, if that has one.
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Renames it to `path`. Returns false, with errno, on failure.
   [[nodiscard, gnu::cold]] bool rename_to(const std::string& path);
@@ -111,6 +117,7 @@ class part_file {
  private:
   std::string name_;
   int id_ = -1;
+  bool named_ = false;  ///< the name is there
 };
 
 /// Removes temporary files of this user, beside a file or, with an end, beside the files

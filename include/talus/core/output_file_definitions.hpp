@@ -112,22 +112,36 @@ TALUS_INLINE std::string part_file::seal(std::string_view name) {
   return letters_of(hash);
 }
 
-TALUS_INLINE part_file::part_file(const std::string& path) {
+/// An open file without a name in the folder of a path, which linkat() can name; -1 otherwise.
+[[nodiscard, gnu::cold]] inline int open_without_name(const std::string& path) {
+#ifdef O_TMPFILE
+  const auto slash = path.find_last_of('/');
+  const std::string folder = slash == path.npos ? "." : path.substr(0, slash + 1);
+  if (::access("/proc/self/fd", X_OK) == 0)
+    return ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+#endif
+  return -1;
+}
+
+TALUS_INLINE part_file::part_file(const std::string& path, bool named) {
   for (int attempt = 0; attempt < 100; ++attempt) {
     const std::uint64_t random = mix(
         static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count()) ^
         static_cast<std::uint64_t>(::getpid()) << 40 ^ reinterpret_cast<std::uintptr_t>(this));
     name_ = path + std::string(infix) + letters_of(random);
     name_ += seal(std::string_view(name_).substr(path.find_last_of('/') + 1));
+    if (!named) id_ = open_without_name(path);
+    if (id_ >= 0) return;
     id_ = ::open(name_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (id_ >= 0 || errno != EEXIST) return;
+    named_ = id_ >= 0;
+    if (named_ || errno != EEXIST) return;
   }
 }
 
 TALUS_INLINE part_file::~part_file() {
   if (id_ < 0) return;
   ::close(id_);
-  ::unlink(name_.c_str());
+  if (named_) ::unlink(name_.c_str());
 }
 
 TALUS_INLINE bool part_file::rename_to(const std::string& path) {
@@ -138,7 +152,11 @@ TALUS_INLINE bool part_file::rename_to(const std::string& path) {
 
 TALUS_INLINE int part_file::rename_and_keep(const std::string& path) {
   const int copy = ::dup(id_);  // closing it tells what writing did not, as on NFS
-  if (copy < 0 || ::close(copy) != 0 || ::rename(name_.c_str(), path.c_str()) != 0) return -1;
+  if (copy < 0 || ::close(copy) != 0) return -1;
+  const std::string own = compose("/proc/self/fd/{}", id_);
+  named_ =
+      named_ || ::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, name_.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  if (!named_ || ::rename(name_.c_str(), path.c_str()) != 0) return -1;
   return std::exchange(id_, -1);
 }
 

@@ -47,7 +47,7 @@ TALUS_HDF5_INLINE bool team_writer::require_replaceable() const {
 }
 
 TALUS_HDF5_INLINE void team_writer::make_part() {
-  part_ = part_file(file_);
+  part_ = part_file(file_, true);  // all ranks open it
   if (!part_.good())
     fail<std::runtime_error>(
         "cannot be written: {}: {}; name a file in a folder that exists, is writable and has "
