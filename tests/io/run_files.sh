@@ -57,8 +57,9 @@ int close(int f) {
   snprintf(link, sizeof link, "/proc/self/fd/%d", f);
   if (readlink(link, path, sizeof path - 1) < 0) path[0] = 0;
   const int code = (int)syscall(SYS_close, f);
-  const char* const name = strstr(path, "/late.file");
-  if (code != 0 || name == NULL || (name[10] != 0 && strncmp(name + 10, ".part-", 6) != 0)) return code;
+  const char* const name = strstr(path, "/late.file");  // or a file that has no name yet
+  if (code != 0 || (strstr(path, "(deleted)") == NULL && (name == NULL || (name[10] != 0 && strncmp(name + 10, ".part-", 6) != 0))))
+    return code;
   errno = ENOSPC;
   return -1;
 }
@@ -207,17 +208,28 @@ links() {
   nothing_left
 }
 
+# Whether processes with that command line run, and all of them handle SIGUSR1.
+hears() {
+  local each mask all
+  all=$(pgrep -f "$1") || return 1
+  [[ $start != mpirun* && $start != */mpirun* || $(wc -l <<<"$all") == 2 ]] || return 1
+  for each in $all; do
+    mask=$(sed -n 's/^SigCgt:[[:space:]]*//p' /proc/$each/status 2>/dev/null) || return 1
+    [[ -n $mask ]] && ((0x$mask >> 9 & 1)) || return 1
+  done
+}
+
 # A signal in the first moments, and one when the terminal is gone.
 early() {
   export OMPI_MCA_odls_base_sigkill_timeout=5  # from mpirun's SIGTERM to its SIGKILL; one second else
   local wait start code pid
   for start in "$program" "${launch[*]} $program"; do
-    for wait in 0.05 0.2 0.5; do
+    for wait in 0 0.05 0.2 0.5; do
       rm -f c.h5
       $start --quiet --steps 1000000000 --checkpoint c.h5 >out 2>&1 &
       pid=$!
-      # Until the program itself runs; what its launcher does with the signal is not its own.
-      until pgrep -f "^$program .*--checkpoint c.h5" >/dev/null; do
+      # Until the program itself runs; what its launcher or the loader does with the signal is not its own.
+      until hears "^$program .*--checkpoint c.h5"; do
         kill -0 $pid || { cat out; fail "$start does not start"; }
         sleep 0.001
       done
@@ -323,13 +335,14 @@ END
 
 # A signal that ends a run, or one of its processes, leaves no lock.
 ended() {
-  local signal pid code
+  local signal pid code page=()
+  [[ ! -e ${TALUS_THREE:-/usr/share/javascript/three/three.min.js} ]] || page=(--view e.html)
   for signal in TERM INT HUP USR1 XCPU; do
     rm -f l.log
     # (A shell without jobs starts what is in the background without SIGINT.)
     python3 -c 'import os, signal, sys
 signal.signal(signal.SIGINT, signal.SIG_DFL)
-os.execv(sys.argv[1], sys.argv[1:])' "$program" --quiet --steps 1000000000 --log l.log --json e.json --csv e.csv >out 2>&1 &
+os.execv(sys.argv[1], sys.argv[1:])' "$program" --quiet --steps 1000000000 --log l.log --json e.json --csv e.csv "${page[@]}" >out 2>&1 &
     pid=$!
     wait_for l.log
     wait_for e.csv.config.toml

@@ -376,19 +376,18 @@ template <class Scenario, class Options, class SetUp>
 int run_caught(int argc, char** argv, SetUp& set_up, const std::string& name, run_log& log) {
   // Before anything takes time: a signal in the first moments must not end the run either.
   constexpr bool listens = Scenario::template has_feature<checkpoints>;
-  std::optional<ignored_signal> early;
-  if constexpr (listens) early.emplace(SIGUSR1);
   std::optional<listen_to_signals> listening;
+  if constexpr (listens) listening.emplace();
   const bool speaks = find_launcher().rank == 0;
   const double began = wall_seconds();
   const auto complain = [&](const std::string& message) { log.say(name + ": " + message + "\n"); };
   try {
     Options chosen = parse<Options>(argc, argv, {}, "", withdraw_options<Scenario>);
     if (chosen.dry_run) write_nothing(chosen);
-    if (chosen.checkpoint.empty())
-      early.reset();
-    else if constexpr (listens)
-      listening.emplace();
+    if (chosen.checkpoint.empty() && listening) {
+      listening.reset();
+      if (const int signal = heard_signals().end; signal != 0) (void)::raise(signal);
+    }
     if (speaks)
       log.open(chosen, argc, argv, program_build());
     else
