@@ -107,7 +107,7 @@ class part_file {
   ~part_file();
   [[nodiscard]] bool good() const { return id_ >= 0; }
   [[nodiscard]] int id() const { return id_; }
-  /// Of the file, if that has one.
+  /// The name of the file, which need not be there yet.
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Renames it to `path`. Returns false, with errno, on failure.
   [[nodiscard, gnu::cold]] bool rename_to(const std::string& path);
