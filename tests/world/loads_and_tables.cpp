@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -327,6 +328,29 @@ TEST_CASE("points of contacts across a periodic boundary are those of the owner 
       if (ranks == 1) first = now;
       CHECK(now == first);
     });
+}
+
+TEST_CASE("the table of bodies has their radii, or those of balls of equal volume") {
+  threads::launch({.ranks = 1}, [](threads::link& link) {
+    world<hard> w(link, cells{.lower = {-4, -4}, .upper = {4, 4}});
+    const material_id stone = w.material({});
+    w.units({.length = "mm"});
+    handle<plane> plate;
+    w.global([&](auto& s) { plate = s.add(plane{{0, 0, 1}, -3}, stone); });
+    const auto grain = w.add_if_local(body{.shape = sphere{0.3}, .position = {0, 1, 2}});
+    const auto brick = w.add_if_local(body{.shape = box{{1, 2, 0.5}}, .position = {0, -1, 2}});
+    const data_table bodies = body_table(w);
+    const auto& ids = bodies.whole_numbers("id");
+    const auto radius = [&](system_id id) {
+      const auto at = std::find(ids.begin(), ids.end(), value_of(id));
+      return bodies.numbers("radius")[static_cast<std::size_t>(at - ids.begin())];
+    };
+    CHECK(radius(plate.id) == 0);
+    CHECK(radius(grain->id) == 0.3);
+    CHECK(4 * pi / 3 * std::pow(radius(brick->id), 3) == doctest::Approx(1).epsilon(1e-14));
+    for (const auto& c : bodies.columns())
+      if (c.name == "radius") CHECK(c.dimension == "mm");
+  });
 }
 
 TEST_CASE("zero has no sign in tables") {

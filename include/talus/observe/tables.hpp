@@ -13,7 +13,9 @@
 #include <vector>
 
 #include "talus/core/bytes.hpp"
+#include "talus/core/math.hpp"
 #include "talus/core/output_file.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/world/each_contact.hpp"
 #include "talus/world/unit_names.hpp"
 #include "talus/world/world.hpp"
@@ -63,7 +65,7 @@ namespace detail {
 struct body_table_row {
   std::uint64_t id = 0;
   std::uint32_t shape = 0, material = 0;
-  std::array<double, 14> values{};       ///< position, orientation, velocities, mass
+  std::array<double, 15> values{};       ///< position, orientation, velocities, radius, mass
   std::array<std::uint32_t, 2> flags{};  ///< fixed, global
   friend bool operator<(const body_table_row& x, const body_table_row& y) { return x.id < y.id; }
 };
@@ -96,6 +98,18 @@ template <class Link, class Row>
   return all;
 }
 
+/// The radius of a sphere, of another shape that of the ball of equal volume (length); 0 of a shape
+/// without a volume.
+template <class Shape>
+[[nodiscard]] real radius_of_equal_ball(const Shape& shape) {
+  if constexpr (requires { shape.radius; } && Shape::isotropic)
+    return shape.radius;
+  else if constexpr (Shape::finite && !requires { Shape::immovable; })
+    return portable::cbrt(3 / (4 * pi) * shape.volume());
+  else
+    return (void)shape, 0;
+}
+
 using shape_names = std::vector<std::string_view>;
 [[nodiscard, gnu::cold]] data_table table_of(const std::vector<body_table_row>& rows,
                                              const shape_names& shapes, const unit_names& units,
@@ -116,9 +130,10 @@ template <class Scenario>
 
 }  // namespace detail
 
-/// Collective: all bodies, global ones too, on rank 0, by their ids: their state, mass (0 of what
-/// has none), material, and whether they are fixed or global. docs/output.md lists the columns. The
-/// same on any ranks. Costs one message of 144 bytes per body to rank 0.
+/// Collective: all bodies, global ones too, on rank 0, by their ids: their state, radius (of a
+/// sphere, or of the ball of equal volume; 0 of planes and surfaces), mass (0 of what has none),
+/// material, and whether they are fixed or global. docs/output.md lists the columns. The same on
+/// any ranks. Costs one message of 152 bytes per body to rank 0.
 template <class Scenario>
 [[nodiscard]] data_table body_table(world<Scenario>& w) {
   w.require_all_ranks("body_table");
@@ -137,7 +152,7 @@ template <class Scenario>
                       shape,
                       static_cast<std::uint32_t>(store.material[i]),
                       {x[0], x[1], x[2], q.x(), q.y(), q.z(), q.w(), v[0], v[1], v[2], turn[0],
-                       turn[1], turn[2], mass},
+                       turn[1], turn[2], detail::radius_of_equal_ball(store.shape[i]), mass},
                       {store.fixed(i) || global ? 1u : 0u, global ? 1u : 0u}});
     }
   };

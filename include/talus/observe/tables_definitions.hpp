@@ -49,7 +49,8 @@ TALUS_INLINE data_table table_of(const std::vector<body_table_row>& rows, const 
   add_numbers(c, rows, 3, "orientation", "xyzw", "");
   add_numbers(c, rows, 7, "velocity", "xyz", in_units("L/T", units));
   add_numbers(c, rows, 10, "angular_velocity", "xyz", in_units("1/T", units));
-  add_numbers(c, rows, 13, "mass", "", in_units("M", units));
+  add_numbers(c, rows, 13, "radius", "", in_units("L", units));
+  add_numbers(c, rows, 14, "mass", "", in_units("M", units));
   add_others(c, rows, "material", [](const row& r) { return std::uint64_t{r.material}; });
   add_others(c, rows, "fixed", [](const row& r) { return std::uint64_t{r.flags[0]}; });
   add_others(c, rows, "global", [](const row& r) { return std::uint64_t{r.flags[1]}; });
