@@ -6,6 +6,7 @@
 #include <talus/observe/energy.hpp>
 #include <talus/observe/force.hpp>
 #include <talus/observe/momentum.hpp>
+#include <talus/observe/summary.hpp>
 #include <talus/observe/warnings_of_scales.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/shape/box.hpp>
@@ -322,6 +323,29 @@ TEST_CASE("a motion of a checkpoint that is another one is told from roundings o
     CHECK(goes_on(spin, lag));
     CHECK(!goes_on(spin, 0.03));
   }
+}
+
+TEST_CASE("a driven body that jumps within a run is named, with the time and the way in radii") {
+  const auto said_after = [](const auto& motion) {
+    course c;
+    c.w.gravity({0, 0, -10});
+    c.w.add(body{.shape = sphere{0.5}, .position = {3, 0, 0.5}, .material = c.rough});
+    const auto wall = c.global(plane{.normal = {1, 0, 0}, .offset = -20});
+    const auto belt_of = c.global(plane{.normal = {0, 0, 1}, .offset = 0});
+    c.w.drive(wall, motion);
+    c.w.drive(belt_of, belt{{900, 0, 0}});
+    c.run(0.1, 0.01);
+    return to_text(summarize(c.w, 0, 0));
+  };
+  const std::string jumps = said_after([](real t) {
+    return rigid_displacement{.shift = {t < 0.05 ? 0.1 * t : real(6), 0, 0}};
+  });
+  CAPTURE(jumps);
+  CHECK(jumps.find("in step 5, from time 0.04 on, driven plane ") != std::string::npos);
+  CHECK(jumps.find(" went 6, 12 times the mean radius 0.5: ") != std::string::npos);
+  const std::string steady = said_after(gliding{{0.1, 0, 0}});
+  CAPTURE(steady);
+  CHECK(steady.find("driven plane") == std::string::npos);
 }
 
 TEST_CASE("a step in which contacts make a body far faster than anything was is noted, and said") {

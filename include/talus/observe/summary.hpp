@@ -166,7 +166,10 @@ template <class Scenario>
   r.sleeping = Scenario::template has_feature<talus::sleeping>;
   r.followed = Scenario::template has_feature<continuous_collision>;
   r.may_follow = !Scenario::contact_law::soft && !detail::world_state<Scenario>::midpoint;
-  if constexpr (detail::world_state<Scenario>::drives) r.leap = detail::largest_leap_of(w);
+  if constexpr (detail::world_state<Scenario>::drives) {
+    r.leap = detail::largest_leap_of(w);
+    r.jump = s.driving.jump;
+  }
   if constexpr (detail::world_state<Scenario>::has_joints) r.joint = detail::worst_open_joint(w);
   if (w.materials().rules() != pair_rules{}) r.pair_rules = w.materials().describe_rules();
   r.gravity = w.gravity().norm();

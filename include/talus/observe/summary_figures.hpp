@@ -51,6 +51,7 @@ struct summary {
   bool followed = false;     ///< whether fast bodies are followed: continuous_collision
   bool may_follow = false;   ///< whether the scenario could name that feature
   detail::speed_leap leap;   ///< the largest leap of a body's speed by contacts
+  detail::driven_jump jump;  ///< the farthest that a driven body went in a step
   detail::open_joint joint;  ///< the joint that opened farthest
   std::string pair_rules;    ///< of materials, in words; empty: means
   double gravity = 0;        ///< its size

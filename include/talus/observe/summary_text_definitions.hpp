@@ -179,6 +179,7 @@ TALUS_INLINE std::string to_text(const summary& r) {
                                          .may_follow = r.may_follow,
                                          .soft = soft(r),
                                          .leap = r.leap,
+                                         .jump = r.jump,
                                          .joint = r.joint});
   warning += detail::islands_warning(r.islands);
   const std::string rules =

@@ -30,6 +30,7 @@ struct run_scales {
   bool may_follow = false;     ///< or could be, with the other policies of the scenario
   bool soft = false;           ///< the step follows from stiffness
   speed_leap leap{};           ///< the largest of all ranks; a step of 0: none
+  driven_jump jump{};          ///< the longest; a step of 0: none
   open_joint joint{};
 };
 

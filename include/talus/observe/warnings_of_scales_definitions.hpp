@@ -42,6 +42,15 @@ TALUS_INLINE std::string warnings_of_scales(const run_scales& r) {
         "than {}: perhaps something was caught between a driven body and what stands still, and "
         "came free; leave it room (twice the largest body), or press with world.hold_force\n",
         r.leap.step, text(r.leap.after, 3), text(r.leap.before, 3));
+  if (r.jump.step > 0 && r.jump.way > longest_way * r.radius)
+    all += compose(
+        "  warning  in step {}, from time {} on, driven {} {} went {}, {} times the mean radius "
+        "{}: "
+        "contacts take such a jump for a velocity of {}, and bodies within it are passed; let its "
+        "motion go on from where the body is, or take a smaller dt\n",
+        r.jump.step, text(r.jump.time, 6), std::string(r.jump.shape), r.jump.body,
+        text(r.jump.way, 3), text(r.jump.way / r.radius, 3), text(r.radius, 3),
+        text(r.jump.way / r.jump.dt, 3));
   if (r.joint.step > 0)
     all += compose(
         "  warning  in step {} the {} of {} was open by {}, {} of its arm or as an angle: joints "

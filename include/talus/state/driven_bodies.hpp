@@ -89,6 +89,7 @@ struct driven_bodies {
   real fastest = 0;                   ///< of finite driven bodies, in the step under way
   bool moves = false;                 ///< whether any driven body does in it
   speed_leap leap;                    ///< the largest of bodies of this rank
+  driven_jump jump;                   ///< the longest, the same on all ranks
 };
 
 }  // namespace detail

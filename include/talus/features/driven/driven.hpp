@@ -137,6 +137,16 @@ void put_driven(Bodies& b, std::size_t i, const driven_state& state) {
   }
 }
 
+/// How far a driven body with this bounding radius goes in a step (length). Turning at a steady
+/// rate counts as no way, and where bodies are `followed` to their impacts neither does a steady
+/// speed.
+[[nodiscard]] inline real way_of_driven(const driven_body& one, real radius, bool followed,
+                                        real dt) {
+  if (one.next.end == one.state.at) return 0;  // a belt
+  const real shift = (one.next.end.point - one.state.at.point).norm();
+  return (followed ? std::min(shift, one.dv.norm() * dt) : shift) + radius * one.dw.norm() * dt;
+}
+
 /// At the start of a step: the motion of all driven bodies in it.
 template <class Scenario>
 void aim_driven(world_state<Scenario>& s) {
@@ -166,11 +176,17 @@ void aim_driven(world_state<Scenario>& s) {
           "driven body {} turns by half a turn or more within dt = {} at time {}, which contacts "
           "cannot follow: take a smaller dt, or turn it more slowly",
           one.id, s.dt, s.time);
-    if constexpr (std::remove_cvref_t<decltype(b)>::shape_type::finite)
-      s.driving.fastest = std::max(
-          s.driving.fastest, next.v.norm() + b.global.shape[i].bounding_radius() * next.w.norm());
+    using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
+    real radius = 0;
+    if constexpr (shape::finite) {
+      radius = b.global.shape[i].bounding_radius();
+      s.driving.fastest = std::max(s.driving.fastest, next.v.norm() + radius * next.w.norm());
+    }
     one.dv = state.begun ? vec3(next.v - state.v) : vec3(0, 0, 0);
     one.dw = state.begun ? vec3(next.w - state.w) : vec3(0, 0, 0);
+    const real way = way_of_driven(one, radius, world_state<Scenario>::continuous, s.dt);
+    if (way > s.driving.jump.way)
+      s.driving.jump = {s.steps + 1, s.time, s.dt, one.id, shape::name, way};
     s.driving.moves = s.driving.moves || next.v != vec3(0, 0, 0) || next.w != vec3(0, 0, 0);
     state.begun = true;
     state.v = b.global.velocity[i] = next.v;
