@@ -93,7 +93,8 @@ template <class Scenario, class Shape>
 }
 
 /// Refuses a shape that the scenario does not name.
-template <class Scenario, class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+template <class Scenario, class Shape,
+          detail::sentence Says = detail::words_on_missing_shape<Shape>()>
 vec3 contact_force(world<Scenario>&,
                    handle<Shape>) requires(!detail::takes_shape<Scenario, Shape>) = delete;
 
@@ -131,7 +132,8 @@ template <class Scenario, class Shape>
   }
 }
 /// Refuses a shape that the scenario does not name.
-template <class Scenario, class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+template <class Scenario, class Shape,
+          detail::sentence Says = detail::words_on_missing_shape<Shape>()>
 vec3 contact_torque(world<Scenario>&, handle<Shape>,
                     const vec3&) requires(!detail::takes_shape<Scenario, Shape>) = delete;
 

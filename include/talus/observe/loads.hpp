@@ -222,11 +222,13 @@ template <class Scenario, class Shape>
   return measure_body(w, handle<Shape>{detail::agreed_ids(w, std::span(&h, 1))[0]});
 }
 /// Refuses a shape that the scenario does not name.
-template <class Scenario, class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+template <class Scenario, class Shape,
+          detail::sentence Says = detail::words_on_missing_shape<Shape>()>
 body_reading measure_body(world<Scenario>&,
                           handle<Shape>) requires(!detail::takes_shape<Scenario, Shape>) = delete;
 /// Refuses a shape that the scenario does not name.
-template <class Scenario, class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+template <class Scenario, class Shape,
+          detail::sentence Says = detail::words_on_missing_shape<Shape>()>
 body_reading measure_body(world<Scenario>&, const std::optional<handle<Shape>>&) requires(
     !detail::takes_shape<Scenario, Shape>) = delete;
 

@@ -70,7 +70,7 @@ template <class Shape>
   if constexpr (std::is_void_v<Shape>)
     return sentence("");
   else
-    return missing_shape<Shape>();
+    return words_on_missing_shape<Shape>();
 }
 
 }  // namespace talus::detail

@@ -315,7 +315,7 @@ namespace detail {
 
 /// "this scenario has no bodies of this shape, box: add the shape to its bodies<...>".
 template <class Shape>
-[[nodiscard]] consteval auto missing_shape() {
+[[nodiscard]] consteval auto words_on_missing_shape() {
   constexpr std::string_view words[] = {"this scenario has no bodies of this shape, ", Shape::name,
                                         ": add the shape to its bodies<...>"};
   char text[words[0].size() + words[1].size() + words[2].size() + 1] = {};
@@ -324,9 +324,9 @@ template <class Shape>
     for (const char c : w) *to++ = c;
   return sentence(text);
 }
-/// Whether functions that add a body take this shape. Deleted ones beside them, with the sentence,
-/// take all others. clang does not print the sentence of a deleted function: there the functions
-/// take all shapes, and refuse in their bodies.
+/// Whether functions that add a body take this shape. Others beside them, with the sentence, take
+/// and refuse all others. clang does not print the sentence of a deleted function: there the
+/// functions take all shapes, and refuse in their bodies.
 template <class Scenario, class Shape>
 inline constexpr bool takes_shape =
 #ifdef __clang__
@@ -334,6 +334,21 @@ inline constexpr bool takes_shape =
 #else
     Scenario::template has_shape<Shape>;
 #endif
+
+/// Compilers begin a message with the name of what they instantiate, which has the sentence here:
+/// before the place in the program, which may be deep in functions that it passes to others.
+template <sentence Says, bool Taken>
+struct refused {
+  static_assert(Taken,
+                "this scenario has no bodies of this shape: add the shape to its bodies<...>");
+};
+/// The sentence for functions that take shapes, and an error unless this one is taken.
+template <class Shape, bool Taken>
+[[nodiscard]] consteval auto missing_shape() {
+  constexpr auto says = words_on_missing_shape<Shape>();
+  (void)sizeof(refused<says, Taken>);
+  return says;
+}
 
 // The sentences of refusals, on their own: if they fail within a constant expression, clang adds
 // that the expression is not constant.

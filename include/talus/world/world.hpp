@@ -368,8 +368,9 @@ class world {
     return {};
   }
   /// Refuses a shape that the scenario does not name.
-  template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
-  handle<Shape> add(const body<Shape>& b) requires(!detail::takes_shape<Scenario, Shape>) = delete;
+  template <class Shape, detail::sentence Says =
+                             detail::missing_shape<Shape, detail::takes_shape<Scenario, Shape>>()>
+  handle<Shape> add(const body<Shape>& b) requires(!detail::takes_shape<Scenario, Shape>);
   /// Adds a body at rest with this shape, material, position and orientation, as add(body) does.
   template <class Shape>
   handle<Shape> add(const Shape& shape, material_id material, const vec3& position = {0, 0, 0},
@@ -379,10 +380,11 @@ class world {
         .shape = shape, .position = position, .material = material, .orientation = orientation});
   }
   /// Refuses a shape that the scenario does not name.
-  template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+  template <class Shape, detail::sentence Says =
+                             detail::missing_shape<Shape, detail::takes_shape<Scenario, Shape>>()>
   handle<Shape> add(const Shape& shape, material_id material, const vec3& position = {0, 0, 0},
-                    const quat& orientation = {
-                        1, 0, 0, 0}) requires(!detail::takes_shape<Scenario, Shape>) = delete;
+                    const quat& orientation = {1, 0, 0,
+                                               0}) requires(!detail::takes_shape<Scenario, Shape>);
   /// Refuses the position before the material.
   template <class Shape>
   handle<Shape> add(const Shape&, const vec3&, material_id, const quat& = {1, 0, 0, 0}) {
@@ -419,9 +421,10 @@ class world {
     return std::nullopt;
   }
   /// Refuses a shape that the scenario does not name.
-  template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+  template <class Shape, detail::sentence Says =
+                             detail::missing_shape<Shape, detail::takes_shape<Scenario, Shape>>()>
   std::optional<handle<Shape>> add_if_local(const body<Shape>& b) requires(
-      !detail::takes_shape<Scenario, Shape>) = delete;
+      !detail::takes_shape<Scenario, Shape>);
   /// Creates bodies on the sites that this rank owns, and visits no others: f(site) or f(site,
   /// random), with random numbers that depend on seed and site alone, returns a body, an optional
   /// one, or a std::variant of bodies of several shapes. All ranks call it alike, without
@@ -485,7 +488,7 @@ class world {
   template <class Shape>
   void destroy(handle<Shape> h) requires(detail::takes_shape<Scenario, Shape>);
   /// Refuses a shape that the scenario does not name.
-  template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+  template <class Shape, detail::sentence Says = detail::words_on_missing_shape<Shape>()>
   void destroy(handle<Shape>) requires(!detail::takes_shape<Scenario, Shape>) = delete;
 
   /// The body if this rank knows it: as owner, as shadow copy or as a global body.
@@ -515,11 +518,11 @@ class world {
   }
 
   /// Refuses a shape that the scenario does not name.
-  template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+  template <class Shape, detail::sentence Says = detail::words_on_missing_shape<Shape>()>
   std::optional<view<Shape>> find(handle<Shape>) requires(!detail::takes_shape<Scenario, Shape>) =
       delete;
   /// Refuses a shape that the scenario does not name.
-  template <class Shape, detail::sentence Says = detail::missing_shape<Shape>()>
+  template <class Shape, detail::sentence Says = detail::words_on_missing_shape<Shape>()>
   view<Shape> operator[](handle<Shape>) requires(!detail::takes_shape<Scenario, Shape>) = delete;
 
   /// Calls f(body) for every body this rank owns.
