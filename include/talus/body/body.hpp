@@ -32,10 +32,10 @@ struct body {
   bool fixed = false;              ///< immovable, as if of infinite mass
   given_number density{};          ///< instead of that of the material
   given_number mass{};             ///< instead of density times volume; scales the inertia
-  /// about the centre of mass, along the axes of the shape; if left out, that of the shape about
-  /// its own centre
+  /// The inertia about the centre of mass, along the axes of the shape; if left out, that of the
+  /// shape about its own centre
   given_inertia inertia{};
-  /// of mass, in the coordinates of the shape
+  /// The centre of mass, in the coordinates of the shape (length)
   given_point centre{};
 };
 

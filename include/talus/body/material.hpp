@@ -19,8 +19,8 @@ namespace talus {
 /// Names a material of one world.
 enum class material_id : std::uint16_t {};
 
-/// As the stiffness or Young's modulus of a material: bodies of it are rigid, and a soft contact
-/// has the stiffness of the other body alone. For fixed and global bodies, such as walls.
+/// A value for the stiffness or Young's modulus of a material: bodies of it are rigid, and a soft
+/// contact has the stiffness of the other body alone. For fixed and global bodies, such as walls.
 inline constexpr real rigid = std::numeric_limits<real>::infinity();
 
 /// The name of a material, in pages and their legends.

@@ -49,7 +49,8 @@ class contact_row {
   void backward(state& s) {
     in_streams_backward([&](Contact& c) { meet_impacts(c, s), c.apply(s, c.relax(s)); });
   }
-  /// As backward; note(number, change of velocity) for those that change by more than `speed`.
+  /// Solves as backward() does, and calls note(number, change of velocity) for those that change by
+  /// more than `speed`.
   template <class Note>
   void backward_watched(state& s, real speed, Note&& note) {
     in_streams_backward([&](Contact& c) {

@@ -87,7 +87,7 @@ class island_budget {
   [[nodiscard]] double spent() const { return spent_; }                   ///< in all steps
   [[nodiscard]] std::uint64_t islands_solved() const { return solved_; }  ///< in all steps
 
-  /// As at the beginning of a run, except for the counts.
+  /// Sets the state of the beginning of a run, except for the counts.
   void begin_afresh() {
     pause_ = 0, steps_ = 0, wait_ = 0, long_wait_ = 0, patience_ = least_wait, kept_ = -1;
     spare_ = unknown;

@@ -103,7 +103,7 @@ class exact_sum {
       smaller.digits_[n] = 0;
     }
   }
-  /// As numbers that may be added up over ranks, up to 2^20 of them.
+  /// Writes the sum as numbers that may be added up over ranks, up to 2^20 of them.
   void write(std::span<double, digits + 1> out) {
     carry();
     for (std::size_t k = 0; k < digits; ++k) out[k] = static_cast<double>(digits_[k]);

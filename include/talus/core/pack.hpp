@@ -52,7 +52,7 @@ inline constexpr int lanes_of = sizeof(Pack) / sizeof(lane_of<Pack>);
 template <class Pack>
 using mask_of = std::remove_cvref_t<decltype(std::declval<Pack>() < std::declval<Pack>())>;
 
-/// As many numbers as fill a cache line, 64 bytes: eight doubles, sixteen floats.
+/// A pack of as many numbers as fill a cache line, 64 bytes: eight doubles, sixteen floats.
 template <class Real>
 using wide_pack = pack<Real, 64 / sizeof(Real)>;
 

@@ -59,7 +59,7 @@ struct double_double {
 
 namespace portable {
 
-/// As std::hypot of two numbers.
+/// Returns the value of std::hypot of two numbers.
 [[nodiscard]] inline double hypot(double x, double y) {
   const double a = std::abs(x), b = std::abs(y), large = std::max(a, b);
   if (large > 0x1p-450 && large < 0x1p500) return std::sqrt(a * a + b * b);
@@ -70,10 +70,12 @@ namespace portable {
   return std::ldexp(std::sqrt(u * u + v * v), k);
 }
 
-/// As std::hypot of three numbers; wrong by less than two units in the last place.
+/// Returns the value of std::hypot of three numbers; wrong by less than two units in the last
+/// place.
 [[nodiscard]] inline double hypot(double x, double y, double z) { return hypot(hypot(x, y), z); }
 
-/// As std::cbrt: three Newton steps after a guess, and one with the residual to twice the bits.
+/// Returns the value of std::cbrt: three Newton steps after a guess, and one with the residual to
+/// twice the bits.
 [[nodiscard]] inline double cbrt(double x) {
   if (x == 0 || !std::isfinite(x)) return x;
   int k = 0;
@@ -87,7 +89,7 @@ namespace portable {
   return std::copysign(std::ldexp(r, k / 3), x);
 }
 
-/// As std::exp (the method of fdlibm, Sun Microsystems 1993).
+/// Returns the value of std::exp (the method of fdlibm, Sun Microsystems 1993).
 [[nodiscard]] inline double exp(double x) {
   if (!(std::abs(x) < 1000))  // not a number, or the result overflows or underflows
     return x > 0 ? std::numeric_limits<double>::infinity() : x < 0 ? 0 : x;
@@ -103,18 +105,18 @@ namespace portable {
   return std::ldexp(result, static_cast<int>(k));
 }
 
-/// As std::log.
+/// Returns the value of std::log.
 [[nodiscard]] inline double log(double x) {
   if (!(x > 0))
     return x == 0 ? -std::numeric_limits<double>::infinity()
                   : std::numeric_limits<double>::quiet_NaN();
   return std::isfinite(x) ? detail::precise_log(x).high : x;
 }
-/// As std::acosh, with an absolute error of 1e-15 near 1.
+/// Returns the value of std::acosh, with an absolute error of 1e-15 near 1.
 [[nodiscard]] inline double acosh(double x) { return log(x + std::sqrt((x - 1) * (x + 1))); }
 
-/// As std::pow for a finite base that is not negative and a finite exponent; wrong by less than two
-/// units in the last place.
+/// Returns the value of std::pow for a finite base that is not negative and a finite exponent;
+/// wrong by less than two units in the last place.
 [[nodiscard]] inline double pow(double base, double exponent) {
   if (exponent == 0 || base == 1) return 1;
   if (base == 0) return exponent > 0 ? 0 : std::numeric_limits<double>::infinity();

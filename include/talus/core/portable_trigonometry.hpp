@@ -167,17 +167,18 @@ struct sine_and_cosine {
       return {-c, s};
   }
 }
-/// As std::sin.
+/// Returns the value of std::sin.
 [[nodiscard]] inline double sin(double angle) { return sincos(angle).sine; }
-/// As std::cos.
+/// Returns the value of std::cos.
 [[nodiscard]] inline double cos(double angle) { return sincos(angle).cosine; }
-/// As std::tan, wrong by less than three units in the last place.
+/// Returns the value of std::tan, wrong by less than three units in the last place.
 [[nodiscard]] inline double tan(double angle) {
   const sine_and_cosine both = sincos(angle);
   return both.sine / both.cosine;
 }
 
-/// As std::atan2, for two finite numbers; wrong by less than two units in the last place.
+/// Returns the value of std::atan2, for two finite numbers; wrong by less than two units in the
+/// last place.
 [[nodiscard]] inline double atan2(double y, double x) {
   constexpr double whole = 3.14159265358979311600e+00, rest = 1.22464679914735317720e-16;
   const double up = std::abs(y), along = std::abs(x);
@@ -189,7 +190,7 @@ struct sine_and_cosine {
   if (std::signbit(x)) angle = whole - (angle - rest);
   return std::copysign(angle, y);
 }
-/// As std::acos; wrong by less than two units in the last place.
+/// Returns the value of std::acos; wrong by less than two units in the last place.
 [[nodiscard]] inline double acos(double x) { return atan2(std::sqrt((1 - x) * (1 + x)), x); }
 
 }  // namespace portable

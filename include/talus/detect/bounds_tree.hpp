@@ -57,8 +57,8 @@ class bounds_tree {
   }
 
  private:
-  /// As in triangle_tree: a node holds the boxes order_[first, first + count), or, where count is
-  /// 0, the next node and `first`.
+  /// A node of the tree, as in triangle_tree: it holds the boxes order_[first, first + count), or,
+  /// where count is 0, the next node and `first`.
   struct node {
     bounds box;
     std::uint32_t first = 0, count = 0;

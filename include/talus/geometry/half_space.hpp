@@ -69,7 +69,8 @@ class half_space {
   }
   [[nodiscard]] real value(const vec3& p) const { return value(p[0], p[1], p[2]); }
   [[nodiscard]] bool contains(const vec3& p) const { return value(p) >= 0; }
-  /// As contains, but the boundary belongs only to the side towards +x (then +y, then +z).
+  /// Whether it contains the point, where the boundary belongs only to the side towards +x (then
+  /// +y, then +z).
   [[nodiscard]] bool owns(const vec3& p) const {
     const real v = value(p);
     return v > 0 || (v == 0 && faces_up());

@@ -119,7 +119,7 @@ struct jkr_adhesion final {
   [[nodiscard]] static real longest_step(const parameters&, real) {
     return std::numeric_limits<real>::infinity();
   }
-  /// As of hertz_mindlin.
+  /// Returns the longest step that hertz_mindlin has for the body.
   [[nodiscard]] static real longest_step_of_body(const material& m, real radius) {
     return hertz_mindlin::longest_step_of_body(m, radius);
   }

@@ -21,8 +21,8 @@ namespace talus {
 /// What a query finds: a body, and the place where it meets it. The same on any number of ranks, to
 /// the bit, for the same bodies.
 struct query_hit {
-  /// of the start from the place, length; infinite if nothing was found; minus the depth of an
-  /// overlap
+  /// The distance from the start to the place (length): infinite if nothing was found; minus the
+  /// depth of an overlap
   real distance = detail::endless;
   vec3 point{0, 0, 0};   ///< on the surface of the body, in the coordinates of the query
   vec3 normal{0, 0, 0};  ///< out of the body, unit length

@@ -19,9 +19,9 @@ struct motion {
   double mass = 0;              ///< of the movable ones
   double kinetic_energy = 0;    ///< of translation and rotation
   double potential_energy = 0;  ///< -m g . x, with respect to the origin
-  /// of the fastest centre of mass
+  /// The speed of the fastest centre of mass
   double max_speed = 0;
-  /// linear, of all movable bodies
+  /// The linear momentum of all movable bodies
   vec3 momentum{0, 0, 0};
   vec3 angular_momentum{0, 0, 0};  ///< about the origin
 };

@@ -89,7 +89,7 @@ struct contact_columns {
     });
     return c;
   }
-  /// As a dictionary of arrays, with the names of the output files.
+  /// Returns a dictionary of arrays, with the names of the output files.
   [[nodiscard]] pybind11::dict arrays() const {
     namespace py = pybind11;
     const auto n = static_cast<py::ssize_t>(a.size());

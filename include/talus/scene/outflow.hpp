@@ -18,7 +18,7 @@ namespace talus {
 /// The removed bodies.
 struct removed {
   std::uint64_t count = 0;  ///< of bodies
-  /// of bodies
+  /// The mass of these bodies
   real mass = 0;
 };
 

@@ -41,7 +41,7 @@ struct surface_near_body {
   std::size_t kept;
 
   [[nodiscard]] const triangle_tree& tree() const { return *all; }
-  /// As triangle_mesh::each_within().
+  /// Does what triangle_mesh::each_within() does.
   template <class F>
   void each_within(const vec3& centre, const vec3& reach, real size, F&& f) const;
 };

@@ -18,7 +18,8 @@ struct bending {
   void bound(real most) {
     for (int k = 0; k < 2; ++k) factor[k] = std::min(factor[k], most / along[k].squaredNorm());
   }
-  /// As a matrix whose eigenvalues across the direction `n`, a unit vector, are at most `most`.
+  /// Returns a matrix whose eigenvalues across the direction `n`, a unit vector, are at most
+  /// `most`.
   [[nodiscard]] mat3 within(const vec3& n, real most) const {
     bending b = *this;
     b.bound(real(1e6) * most);

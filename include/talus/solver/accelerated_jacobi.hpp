@@ -33,7 +33,7 @@ struct accelerated_jacobi final {
   using talus_part_of = roles::solver;
   static constexpr const char* name = "accelerated_jacobi";
 
-  /// As nonlinear_gauss_seidel::solve.
+  /// Solves the contacts as nonlinear_gauss_seidel::solve does.
   template <class Lists, class Ranks>
   static detail::solved solve(Lists& lists, detail::solver_state& s,
                               const solver_settings& settings, bool correct, Ranks&& ranks) {

@@ -32,8 +32,8 @@ struct coloured_gauss_seidel final {
   static constexpr bool by_colours = true;
   static constexpr bool solves_joints = true;
 
-  /// As nonlinear_gauss_seidel::solve; the contacts in `lists` are coloured. `ranks` has the number
-  /// of colours.
+  /// Solves the contacts as nonlinear_gauss_seidel::solve does; the contacts in `lists` are
+  /// coloured. `ranks` has the number of colours.
   template <class Lists, class State, class Ranks>
   static detail::solved solve(Lists& lists, State& s, const solver_settings& settings, bool correct,
                               Ranks&& ranks) {

@@ -37,7 +37,8 @@ struct substepping final {
   static constexpr const char* name = "substepping";
   static constexpr bool uses_substeps = true;
 
-  /// As nonlinear_gauss_seidel::solve; in addition it fills solver_state::drift.
+  /// Solves the contacts as nonlinear_gauss_seidel::solve does; in addition it fills
+  /// solver_state::drift.
   template <class Lists, class Ranks>
   static detail::solved solve(Lists& lists, detail::solver_state& s,
                               const solver_settings& settings, bool correct, Ranks&& ranks) {

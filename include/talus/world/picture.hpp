@@ -12,10 +12,10 @@ struct picture {
 
   vec3 from{10, -20, 10};  ///< position of the camera
   vec3 at{0, 0, 0};        ///< point at which it looks
-  /// upward direction in the picture
+  /// The upward direction in the picture
   vec3 up{0, 0, 1};
   real angle = 40;  ///< of view, horizontally
-  /// of bodies: by their material, their rank, or their speed
+  /// Colours show the material, the rank or the speed of the bodies
   colouring colour = colouring::automatic;
   real fastest = 0;      ///< the speed that is red; 0: that of the fastest body
   real walls = 0.35;     ///< opacity of fixed and global bodies but planes; 1: solid, 0: hidden

@@ -51,7 +51,7 @@ template <class... Types>
 [[nodiscard]] std::string list_text(type_list<Types...>, const char* name) {
   return describe_list<Types...>(name);
 }
-/// As in features<checkpoints, driven>.
+/// Writes a sorted list as features<checkpoints, driven> has it.
 [[nodiscard, gnu::cold]] std::string sorted_list_text(const char* name,
                                                       std::vector<std::string> items);
 template <class Scenario>

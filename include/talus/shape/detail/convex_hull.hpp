@@ -130,7 +130,8 @@ class hull_wrapper {
     }
     return set;
   }
-  /// As beyond(), where points to both sides of the line in the plane itself may be the answer.
+  /// Returns what beyond() does, where points to both sides of the line in the plane itself may be
+  /// the answer.
   [[nodiscard]] std::optional<plane_set> beyond_flat(std::uint32_t p, const vector& line,
                                                      const vector& normal) const {
     plane_set flat{normal, members_of(normal, p)};

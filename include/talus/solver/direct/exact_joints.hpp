@@ -71,7 +71,7 @@ class exact_joints<Lists, State, Ranks, Coloured, true> {
         }))
       joints_.share_loads();
   }
-  /// As sweep_interior: the contacts one after the other, and then the joints.
+  /// Sweeps as sweep_interior does: the contacts one after the other, and then the joints.
   void sweep(Lists& lists, State& s, bool forward, bool, Ranks& ranks) {
     each_swept(lists, ranks,
                [&](auto& list) { list.sweep_border(s, forward), list.sweep_inner(s, forward); });

@@ -128,8 +128,8 @@ class stalled_islands {
   /// is left tilts it: on a seam between a fixed and a global body, whose contacts are in two
   /// lists.
   static constexpr real left_to_one = 1e-7;
-  /// Likewise for a few bodies at rest on each other: near the rim of what carries them, they tip
-  /// by a multiple of it within a second.
+  /// This is the limit for a few bodies at rest on each other: near the rim of what carries them,
+  /// they tip by a multiple of it within a second.
   static constexpr real left_to_few = 1e-6;
 
   static bool is_single(const island& one) {

@@ -54,8 +54,8 @@ class support_correction : support_graph {
 
  private:
   static constexpr int most_rounds = 6;
-  /// As least_shift. A round then moves a body at most some hundred times as far as its rates ask
-  /// for, in the directions that supports almost leave free.
+  /// Damps as least_shift does: a round then moves a body at most some hundred times as far as its
+  /// rates ask for, in the directions that supports almost leave free.
   static constexpr real damping = 1e-5;
 
   /// The rate of separation in excess of the one that is asked for.
