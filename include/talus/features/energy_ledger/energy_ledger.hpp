@@ -219,18 +219,21 @@ template <class Store>
 template <class Scenario>
 [[nodiscard]] energy_sums energy_of(const world_state<Scenario>& s) {
   energy_sums sums;
-  exact_batch kinetic_sum(sums.kinetic), scale(sums.scale);
-  exact_batch potential(sums.potential);
+  exact_sum high, low;  // potential energies above 0, and minus those below
+  exact_batch kinetic(sums.kinetic), of_high(high), of_low(low);
   each_moving_local(s, [&](auto& store, std::size_t i, std::size_t) {
     const real mass = 1 / store.inverse_mass[i], fall = mass * s.gravity.dot(store.position[i]);
-    const real kinetic =
+    kinetic +=
         0.5 * (mass * store.velocity[i].squaredNorm() +
                twice_spin_energy(store, i, store.pose(i).orientation, store.angular_velocity[i]));
-    kinetic_sum += kinetic;
-    potential -= fall;
-    scale += kinetic + std::abs(fall);
+    if (fall > 0)
+      of_low += fall;
+    else
+      of_high -= fall;
   });
-  kinetic_sum.flush(), potential.flush(), scale.flush();
+  kinetic.flush(), of_high.flush(), of_low.flush();
+  sums.potential.plus = high, sums.potential.minus = low;
+  ((sums.scale += sums.kinetic) += high) += low;
   return sums;
 }
 
