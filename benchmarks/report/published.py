@@ -21,6 +21,7 @@ SIMBENCH = [
 BOX3D = [
     ("large_pyramid, 1/60 s", ["pyramid", "--rows", "100", "--rate", "60", "--seconds", "8"]),
     ("many_pyramids, 1/60 s", ["pyramid", "--rows", "10", "--count", "196", "--rate", "60", "--seconds", "4"]),
+    ("large_world, 1/60 s", ["box3d_scenes", "--scene", "large_world"]),
 ]
 ENGINES = {"talus": "", "bullet64": "_bullet64", "ode": "_ode"}
 LABELS = {"talus": "talus", "bullet64": "Bullet, double", "ode": "ODE, double"}
@@ -124,7 +125,8 @@ def box3d(output):
         if name in here:
             row = here[name]
             cost = 1e3 * float(row["cpu_seconds_per_simulated_second"]) / float(row["rate"])
-            cells = [number(cost), number(float(row["top_drift"])), number(float(row["penetration_max"]))]
+            drift = number(float(row["top_drift"])) if row.get("top_drift") else "-"
+            cells = [number(cost), drift, number(float(row["penetration_max"]))]
         lines.append([name, *cells, talus, beside, own])
     return table(["scene", "talus, here", "drift of the top", "largest overlap", "talus, EPYC",
                   "Box3D, EPYC", "Box3D, 7950X, published"], lines)
