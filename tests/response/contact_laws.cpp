@@ -182,11 +182,10 @@ TEST_CASE("contacts with bodies of other ranks share the mass of the body that t
   }
 }
 
-TEST_CASE("a load on its cone stays where the contact could open, too") {
+TEST_CASE("a load on its cone stays where the contact could open or slide, too") {
   random_stream random(1, 2);
   const auto number = [&] { return random.uniform(-1, 1); };
-  int tried = 0;
-  while (tried < 100) {
+  for (int k = 0; k < 2000; ++k) {
     mat3 part;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) part(i, j) = number();
@@ -195,9 +194,7 @@ TEST_CASE("a load on its cone stays where the contact could open, too") {
     block.set(w);
     const real mu = 3, turn = pi * number();
     const vec3 load = vec3(1, mu * std::cos(turn), mu * std::sin(turn));
-    if ((w * load)[0] >= -0.1) continue;  // would not open without the load
-    ++tried;
-    CHECK((block.solve(load, 1e-11 * vec3(number(), number(), number()), mu) - load).norm() < 1e-9);
+    CHECK((block.solve(load, 1e-11 * vec3(number(), number(), number()), mu) - load).norm() < 1e-8);
     CHECK((block.solve(real(1 + 1e-12) * load, {0, 0, 0}, mu) - load).norm() < 1e-9);
     CHECK(block.solve(load, {0.01, 0, 0}, mu) != load);
     CHECK(block.solve({0, 0, 0}, {0.01, 0, 0}, mu) == vec3(0, 0, 0));
