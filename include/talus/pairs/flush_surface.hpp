@@ -126,6 +126,12 @@ class flush_surface {
   /// Whether the contact with the body of this number is at its edge, and the common surface goes
   /// on all around, at the distance `step`.
   [[nodiscard]] bool is_on_seam(std::uint32_t number, real step) {
+    bool beside = false;
+    s_.flush.each_near(number, point_, reach_of(number) + 2 * step, [&](std::uint32_t) {
+      beside = true;
+      return false;
+    });
+    if (!beside) return false;
     point_ = on_body(number);
     real along = 0.99;  // flat bodies that lean have contacts along a normal of their own
     each_face_at(number, point_, flush_part * s_.flush.all[number].radius, [&](const vec3& face) {
