@@ -53,19 +53,8 @@ class body_newton {
     return false;
   }
   /// Whether weak contacts keep their impulses, because the system with all of them is too
-  /// expensive, or after leave_weak().
+  /// expensive.
   [[nodiscard]] bool keeps_weak() const { return keeps_weak_; }
-  /// Lets the weak contacts at r keep their impulses until take_weak(). Returns false if they do
-  /// already.
-  bool leave_weak(const contact_vector& r) {
-    if (!keep_weak(r)) return false;
-    return leaves_weak_ = true;
-  }
-  void take_weak() {
-    if (!std::exchange(leaves_weak_, false)) return;
-    keeps_weak_ = false;
-    std::fill(weak_.begin(), weak_.end(), char{0});
-  }
   /// Whether the last system was too expensive for the budget.
   [[nodiscard]] bool too_dear() const { return too_dear_; }
   /// Linear systems solved by the last call.
@@ -231,7 +220,7 @@ class body_newton {
   body_elimination system_;
   real alpha_ = 0;
   int steps_ = 0;
-  bool too_dear_ = false, keeps_weak_ = false, leaves_weak_ = false;
+  bool too_dear_ = false, keeps_weak_ = false;
   contact_vector u_, step_, given_;
   plain_vector<mat3> response_;
   plain_vector<char> open_, weak_;

@@ -122,7 +122,6 @@ class gathered_islands {
         neighbour_messages.push_back({.rank = other.rank});
     // Without impulses of an earlier step, one owner alone would leave the hubs of others to fall.
     const std::uint64_t last = round_ == 1 ? first_rounds : round_;
-    outcome_ = outcome::none;
     for (std::uint64_t round = round_; round <= last; ++round) {
       find_parts(lists, s, own, round);
       for (neighbour_message& p : neighbour_messages) tell(lists, s, parts_[p.rank], p.out);
@@ -134,9 +133,6 @@ class gathered_islands {
         take(lists, s, parts_[p.rank], in.get_all<vec3>());
       }
     }
-    // Once a step: the rounds of the first one have nearly the same contacts.
-    if (outcome_ == outcome::solved) wait_ = 0;
-    if (outcome_ == outcome::failed) pause_ = wait_ = std::min(2 * wait_ + 7, 255);
   }
 
  private:
@@ -357,7 +353,7 @@ class gathered_islands {
 
     contact_vector r;
     if (contacts.size() > 4 * most_contacts) s.islands.skip(contacts.size()), too_large = true;
-    if (too_large) outcome_ = outcome::failed;
+    if (too_large) wait();
     const bool better = !too_large && !contacts.empty() && improve(contacts, all, r, s);
     const auto answer = [&](std::size_t n) {
       plain_vector<vec3> impulses;
@@ -382,11 +378,15 @@ class gathered_islands {
     s.islands.close(budget);
     const bool better = found.after < found.before;
     if (found.too_dear && !found.solved) s.islands.skip(contacts.size());
-    const bool enough = found.solved || found.after < 0.5 * found.before;
-    if (enough && better) s.islands.solved();
-    outcome_ = enough ? outcome::solved : outcome::failed;
+    if (found.solved || found.after < 0.5 * found.before) {
+      if (better) s.islands.solved();
+      wait_ = 0;
+    } else {
+      wait();
+    }
     return better;
   }
+  void wait() { pause_ = wait_ = std::min(2 * wait_ + 7, 255); }
   /// Stands for the impulse of a contact that took no part.
   [[nodiscard]] static vec3 left_as_it_is() {
     return vec3::Constant(std::numeric_limits<real>::quiet_NaN());
@@ -409,9 +409,7 @@ class gathered_islands {
   std::uint64_t round_ = 0;    ///< alike on all ranks
   std::map<int, part> parts_;  ///< by the rank that solves them
   plain_vector<int> owner_;
-  enum class outcome : char { none, solved, failed };
-  outcome outcome_ = outcome::none;  ///< of the last attempt of this step
-  int pause_ = 0, wait_ = 0;         ///< steps before hubs of this rank are searched again
+  int pause_ = 0, wait_ = 0;  ///< steps before hubs of this rank are searched again
 };
 
 }  // namespace talus::detail

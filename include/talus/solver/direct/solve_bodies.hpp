@@ -34,11 +34,8 @@ inline island_outcome solve_by_bodies(const body_problem& p, contact_vector& r, 
     return result;
   }
   body_newton newton(p, budget);
-  // Once a proximal point is not found, the term shrinks in small steps, while most contacts that
-  // bear loads stay the same, and weak contacts are left to sweeps for a while: the path goes
-  // astray among them where a heavy body stands near its edge.
-  real alpha = 1e-5 * mean, less = 0.01, gain = 0.5;
-  for (int lost = 0; least > enough && lost < 6 && !newton.too_dear();) {
+  real alpha = 1e-5 * mean;
+  for (int lost = 0; least > enough && lost < 3 && !newton.too_dear();) {
     const real before = least;
     x = best;
     const contact_vector centre = best;
@@ -46,22 +43,20 @@ inline island_outcome solve_by_bodies(const body_problem& p, contact_vector& r, 
     for (int k = 0; k < 2 && newton.keeps_weak(); ++k) p.sweep(x, k % 2 == 1);
     const real e = error(x);
     if (e < least) least = e, best = x;
-    if (least < gain * before)
+    if (least < 0.5 * before)
       lost = 0;
     else if (!there || alpha <= 1e-9 * mean)
       ++lost;
     if (there) {
-      if (lost > 0 && alpha <= 1e-9 * mean) newton.take_weak();
-      alpha = std::max(less * alpha, 1e-9 * mean);
-    } else if (less = 0.1, gain = 0.9; !newton.leave_weak(best)) {
-      if (lost >= 3) newton.take_weak();
-      alpha = std::min(10 * alpha, mean);
+      alpha = std::max(0.01 * alpha, 1e-9 * mean);
+    } else {
+      alpha = std::min(30 * alpha, mean);
       x = best;
       for (int k = 0; k < 6; ++k) p.sweep(x, k % 2 == 1);
       if (const real at = error(x); at < least) least = at, best = x;
     }
   }
-  result.solved = least <= std::max(10 * enough, 0.01 * result.before);
+  result.solved = least <= std::max(enough, 0.01 * result.before);
   result.too_dear = newton.too_dear();
   // A partial solution must not add energy to the result of the sweeps.
   const auto work = [&](const contact_vector& at) {
