@@ -88,7 +88,7 @@ real thrown_up(const Shape& shape, real height, AddWall&& add_wall) {
   const auto h = w.add(body{.shape = shape, .position = {0.013, 0.021, height}});
   const real dt = critical_dt(w) / 5, size = shape.bounding_radius();
   real highest = 0;
-  const int steps = std::min(40'000, static_cast<int>(0.5 / dt));
+  const int steps = std::min(10'000, static_cast<int>(0.2 / dt));
   for (int k = 0; k < steps; ++k) {
     w.step(dt);
     highest = std::max(highest, w[h].position()[2] - height);
