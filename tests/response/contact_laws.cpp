@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <talus/body/material.hpp>
+#include <talus/constraint/coulomb_block.hpp>
 #include <talus/constraint/isotropic_contact.hpp>
 #include <talus/constraint/natural_map.hpp>
 #include <talus/constraint/rebound.hpp>
@@ -178,6 +179,25 @@ TEST_CASE("contacts with bodies of other ranks share the mass of the body that t
     CHECK(s.bodies[0].v[0] > -1.0);
     CHECK(s.bodies[0].v[0] < -0.99);
     CHECK(s.bodies[1].v[0] == -1);  // its own rank applies that
+  }
+}
+
+TEST_CASE("a load on its cone stays where the contact could open or slide, too") {
+  random_stream random(1, 2);
+  const auto number = [&] { return random.uniform(-1, 1); };
+  for (int k = 0; k < 2000; ++k) {
+    mat3 part;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) part(i, j) = number();
+    coulomb_block block;
+    const mat3 w = part * part.transpose() + diagonal_matrix(real(0.1));
+    block.set(w);
+    const real mu = 3, turn = pi * number();
+    const vec3 load = vec3(1, mu * std::cos(turn), mu * std::sin(turn));
+    CHECK((block.solve(load, 1e-11 * vec3(number(), number(), number()), mu) - load).norm() < 1e-8);
+    CHECK((block.solve(real(1 + 1e-12) * load, {0, 0, 0}, mu) - load).norm() < 1e-9);
+    CHECK(block.solve(load, {0.01, 0, 0}, mu) != load);
+    CHECK(block.solve({0, 0, 0}, {0.01, 0, 0}, mu) == vec3(0, 0, 0));
   }
 }
 

@@ -28,6 +28,7 @@ struct course {
   real size = 1, dt = 1.0 / 60;
   int before = 1, after = 0;  ///< ranks before a restart after half a second and after it, or 0
   bool tiles = false;         ///< fixed boxes, which are bodies of their ranks, or a plane
+  real friction = 0.5;
 };
 struct builder {
   world<scene>& w;
@@ -70,7 +71,7 @@ real way(const course& c, Put&& put) {
           link,
           {.cells = {std::min(ranks, 2), ranks == 4 ? 2 : 1}, .lower = {-l, -l}, .upper = {l, l}});
       w.gravity({0, 0, -9.81});
-      w.material({.density = 1000, .restitution = 0, .friction = 0.5});
+      w.material({.density = 1000, .restitution = 0, .friction = c.friction});
       builder b{w, c};
       b.ground(restarts);
       if (restarts)
@@ -96,11 +97,12 @@ real way(const course& c, Put&& put) {
 
 /// On any ranks, with a restart on others and without one.
 template <class Put>
-void check_rest(Put&& put) {
+void check_rest(Put&& put, real friction = 0.5) {
   for (const bool tiles : {false, true})
     for (const auto& [size, dt] : {std::pair{1.0, 1.0 / 60}, {0.05, 1.0 / 60}, {0.05, 1.0 / 240}})
       for (const auto& [before, after] : {std::pair{1, 0}, {2, 0}, {4, 0}, {2, 4}, {4, 1}}) {
-        const course c{size, dt, before, after, tiles};
+        const course c{size, dt, before, after, tiles, friction};
+        CAPTURE(friction);
         CAPTURE(tiles);
         CAPTURE(size);
         CAPTURE(dt);
@@ -143,6 +145,17 @@ TEST_CASE("a box near the rim of a standing cylinder stays there on any ranks an
             {1.5, 1.5, 0.3});
     });
   }
+}
+
+TEST_CASE("with much friction, it stays there too, though contacts on their cones could open") {
+  for (const real turn : {0.4, 2.0, 4.4})
+    check_rest(
+        [&](builder& b) {
+          b.stand({-0.05, 0.03, 0}, 0.5, 0.8);
+          const vec3 shift = 0.4 * vec3(std::cos(turn), std::sin(turn), 0);
+          b.put(vec3(-0.05, 0.03, 0.95) + shift, {1.5, 1.3, 0.3});
+        },
+        3);
 }
 
 TEST_CASE("a box on a slab on four columns stays at rest on any ranks and over restarts") {

@@ -62,10 +62,33 @@ struct coulomb_blocks {
       const auto i = static_cast<std::size_t>(std::countr_zero(left));
       put_lane(next, i, sliding_lane(i).slide(lane(r, i), lane(u, i), lane(un, i), lane(mu, i)));
     }
+    // Where friction is large, the law may hold with several impulses: a load on its cone stays.
+    const mask held = both(both(inverted(sticks), present), both(pushes, r.x > zero));
+    for (unsigned left = bits_of(held); left != 0; left &= left - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(left));
+      put_lane(next, i,
+               nearer_on_cone(lane(r, i), {lane(n, i), lane(x, i), lane(y, i)}, lane(next, i),
+                              lane(mu, i)));
+    }
     return next;
   }
 
  private:
+  /// The impulse at which a contact would stick, moved onto its cone, if the law holds with both it
+  /// and the impulse `r` to a small relative error, and `found` is another solution; else `found`.
+  [[nodiscard]] static vec3 nearer_on_cone(const vec3& r, const vec3& sticking, const vec3& found,
+                                           real mu) {
+    constexpr real small = 1e-8, apart = 1e-3;
+    const real square = r.squaredNorm();
+    if ((found - r).squaredNorm() <= apart * apart * square ||
+        !((sticking - r).squaredNorm() <= small * small * square))
+      return found;
+    const real length = std::sqrt(sticking[1] * sticking[1] + sticking[2] * sticking[2]);
+    const real limit = mu * sticking[0];
+    if (!(length <= (1 + small) * limit)) return found;
+    const real fit = limit / length;
+    return {sticking[0], fit * sticking[1], fit * sticking[2]};
+  }
   /// Copies the coefficients that slide() uses from lane `l`.
   [[nodiscard]] [[gnu::always_inline]] auto sliding_lane(std::size_t l) const;
 };
