@@ -1,5 +1,6 @@
 #pragma once
 // Free rotation of eight bodies at once, to the bit of single ones.
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -7,6 +8,7 @@
 #include "talus/core/pack.hpp"
 #include "talus/core/pack_rows.hpp"
 #include "talus/core/pack_vector.hpp"
+#include "talus/motion/free_bodies.hpp"
 #include "talus/motion/free_rotation.hpp"
 #include "talus/motion/integrate.hpp"
 
@@ -35,27 +37,14 @@ struct rotating_body {
   }
 };
 
-/// Up to eight bodies. Those that rotate slowly, so that rotate_freely() takes one step of second
-/// order and the angles are small, are rotated side by side, and the others one by one.
+/// Up to eight bodies. Those whose angles in the step are small are rotated side by side, and the
+/// others one by one.
 template <class Real>
 class rotating_bodies {
   using number = pack<Real, 8>;
   using mask = mask_of<number>;
   using vectors = pack_vector<number>;
-  struct quaternions {
-    number x, y, z, w;
-  };
-  struct small_angle {
-    number cosine, sine;
-
-    /// half_angle for small angles; `small` keeps the lanes in which they are.
-    [[gnu::always_inline]] small_angle(const number& angle, mask& small) {
-      const number x = angle / 2, y = x * x;
-      small &= y < 0.01;
-      cosine = 1 - y / 2 * (1 - y / 12 * (1 - y / 30 * (1 - y / 56 * (1 - y / 90))));
-      sine = x * (1 - y / 6 * (1 - y / 20 * (1 - y / 42 * (1 - y / 72))));
-    }
-  };
+  using quaternions = free_quaternions<number>;
 
  public:
   static constexpr std::size_t capacity = 8;
@@ -79,27 +68,37 @@ class rotating_bodies {
     const vectors own = scaled(inertia, rotated(conjugate(start), w));
     const vectors momentum = rotated(start, own);
     const number length = square_root(dot(momentum, momentum)), zero{};
-    mask slow = length > zero;
+    const mask moves = length > zero;
     const vectors p{1 / inertia.x, 1 / inertia.y, 1 / inertia.z};
-    const sorted_moments of(p);
-    slow &= length * dt * square_root((of.high - of.middle) * (of.middle - of.low)) < 1e-4;
-
-    quaternions q = start;
-    about_low_and_high(q, own, of, dt, slow);
-    const small_angle h(length * dt * of.middle, slow);
+    free_bodies<number> all(start, own, p);
+    const number angle = length * dt * all.asymmetry();
+    const mask second = moves & (angle < second_order_angle<Real>),
+               fourth = moves & (angle >= second_order_angle<Real>)&(angle < largest_angle);
+    mask small = second | fourth;
+    if (bits_of(second) != 0) all.second_order(dt, second, small);
+    if (bits_of(fourth) != 0) {
+      number parts = every_lane<number>(1);
+      Real most = 1;
+      for (std::size_t k = 0; k < capacity; ++k)
+        if (bits_of(fourth) >> k & 1u)
+          most = std::max(most, parts[k] = parts_of_step<Real>(angle[k]));
+      for (Real k = 0; k < most; ++k) all.fourth_order(dt / parts, fourth & (parts > k), small);
+    }
+    quaternions q = all.orientation();
+    const small_angles<number> h(length * dt * all.middle(), small);
     const number part = h.sine / length;
     q = normalized(product({part * momentum.x, part * momentum.y, part * momentum.z, h.cosine}, q));
     const vectors spin = rotated(q, scaled(rotated(conjugate(q), momentum), p));
 
     const number way = square_root(dot(turn, turn));
-    const small_angle half(way, slow);
+    const small_angles<number> half(way, small);
     const number by = half.sine / way;
     const quaternions next =
         normalized(product({by * turn.x, by * turn.y, by * turn.z, half.cosine}, q));
     const mask stays = way == zero;
     q = {stays ? q.x : next.x, stays ? q.y : next.y, stays ? q.z : next.z, stays ? q.w : next.w};
 
-    const unsigned together = bits_of(slow);
+    const unsigned together = bits_of(small);
     for (std::size_t k = 0; k < count; ++k) {
       rotating_body<Real>& body = bodies_[k];
       if (together >> k & 1u) {
@@ -112,71 +111,8 @@ class rotating_bodies {
   }
 
  private:
-  /// The principal inverse moments in their order, and the axes of the lowest and the highest.
-  struct sorted_moments {
-    number low, middle, high;
-    number axis_low, axis_high;
-
-    [[gnu::always_inline]] explicit sorted_moments(const vectors& p)
-        : low(p.x), middle(p.y), high(p.z), axis_low{}, axis_high(number{} + 2) {
-      number axis_middle = number{} + 1;
-      const auto sort = [](number & a, number & b, number & axis_a, number & axis_b)
-          __attribute__((always_inline)) {
-        const mask swap = a > b;
-        const number x = a, axis = axis_a;
-        a = swap ? b : a, b = swap ? x : b;
-        axis_a = swap ? axis_b : axis_a, axis_b = swap ? axis : axis_b;
-      };
-      sort(low, middle, axis_low, axis_middle);
-      sort(middle, high, axis_middle, axis_high);
-      sort(low, middle, axis_low, axis_middle);
-    }
-  };
-
-  /// free_body::second_order().
-  [[gnu::always_inline]] static void about_low_and_high(quaternions& q, const vectors& momentum,
-                                                        const sorted_moments& of, Real dt,
-                                                        mask& slow) {
-    // In the order k, i, j in which the lowest axis k comes first.
-    const mask is_0 = of.axis_low == number{}, is_1 = of.axis_low == number{} + 1;
-    const auto from = [&](const number& x, const number& y, const number& z)
-        __attribute__((always_inline)) {
-      return is_0 ? x : is_1 ? y : z;
-    };
-    number m[3] = {from(momentum.x, momentum.y, momentum.z),
-                   from(momentum.y, momentum.z, momentum.x),
-                   from(momentum.z, momentum.x, momentum.y)};
-    number v[3] = {from(q.x, q.y, q.z), from(q.y, q.z, q.x), from(q.z, q.x, q.y)};
-    const auto about = [&](number(&m)[3], number(&v)[3], const number& moment, Real time)
-        __attribute__((always_inline)) {
-      const small_angle h(time * (moment - of.middle) * m[0], slow);
-      const number c = h.cosine * h.cosine - h.sine * h.sine, s = 2 * h.cosine * h.sine;
-      const number mi = m[1], mj = m[2];
-      m[1] = c * mi + s * mj;
-      m[2] = c * mj - s * mi;
-      const number qk = v[0], qi = v[1], qj = v[2], w = q.w;
-      v[0] = h.cosine * qk + h.sine * w;
-      v[1] = h.cosine * qi + h.sine * qj;
-      v[2] = h.cosine * qj - h.sine * qi;
-      q.w = h.cosine * w - h.sine * qk;
-    };
-    about(m, v, of.low, dt / 2);
-    // The highest axis is the next one, i, or the last one.
-    const mask is_next = of.axis_high == (is_0 ? number{} + 1 : is_1 ? number{} + 2 : number{});
-    const auto turned_to = [&](number(&x)[3]) __attribute__((always_inline)) {
-      const number k = x[0], i = x[1], j = x[2];
-      x[0] = is_next ? i : j, x[1] = is_next ? j : k, x[2] = is_next ? k : i;
-    };
-    const auto turned_back = [&](number(&x)[3]) __attribute__((always_inline)) {
-      const number k = x[0], i = x[1], j = x[2];
-      x[0] = is_next ? j : i, x[1] = is_next ? k : j, x[2] = is_next ? i : k;
-    };
-    turned_to(m), turned_to(v);
-    about(m, v, of.high, dt);
-    turned_back(m), turned_back(v);
-    about(m, v, of.low, dt / 2);
-    q.x = from(v[0], v[2], v[1]), q.y = from(v[1], v[0], v[2]), q.z = from(v[2], v[1], v[0]);
-  }
+  /// Beyond it a body takes many parts of a step, and would let the others wait.
+  static constexpr Real largest_angle = 4 * fourth_order_angle<Real>;
 
   [[nodiscard]] [[gnu::always_inline]] static quaternions conjugate(const quaternions& q) {
     return {-q.x, -q.y, -q.z, q.w};
