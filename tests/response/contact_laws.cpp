@@ -2,7 +2,9 @@
 // new contact, the residual, and the memory of a soft contact.
 #include <doctest/doctest.h>
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <talus/body/material.hpp>
 #include <talus/constraint/coulomb_block.hpp>
 #include <talus/constraint/isotropic_contact.hpp>
@@ -199,6 +201,52 @@ TEST_CASE("a load on its cone stays where the contact could open or slide, too")
     CHECK(block.solve(load, {0.01, 0, 0}, mu) != load);
     CHECK(block.solve({0, 0, 0}, {0.01, 0, 0}, mu) == vec3(0, 0, 0));
   }
+}
+
+TEST_CASE("eight contacts at once have the impulses of one by one to the bit, whatever they do") {
+  using eight = pack<real, 8>;
+  random_stream random(3, 2);
+  const auto number = [&] { return random.uniform(-1, 1); };
+  int slide = 0, different = 0;
+  for (int k = 0; k < 5000; ++k) {
+    coulomb_blocks<eight> all;
+    coulomb_block one[8];
+    pack_vector<eight> r, u;
+    eight mu{};
+    for (std::size_t l = 0; l < 8; ++l) {
+      mat3 part;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) part(i, j) = number();
+      one[l].set(part * part.transpose() + diagonal_matrix(real(1e-3)));
+      mu[l] = k % 7 == 0 ? 0 : std::pow(10, number());
+      vec3 load(random.uniform(0, 1), number(), number());
+      load *= k % 3;  // from no load too
+      put_lane(r, l, load), put_lane(u, l, vec3(number(), number(), number()));
+    }
+    const auto of = [&](auto member) {
+      eight x{};
+      for (std::size_t l = 0; l < 8; ++l) x[l] = one[l].*member;
+      return x;
+    };
+    using block = coulomb_blocks<real>;
+    all.set(of(&block::nn), of(&block::n1), of(&block::n2), of(&block::t11), of(&block::t12),
+            of(&block::t22));
+    mask_of<eight> present{};
+    for (std::size_t l = 0; l < 8; ++l)
+      if (k % 5 > 0 || l < 6) include_lane(present, l);
+    const auto found = all.solve(r, u, mu, present);
+    for (std::size_t l = 0; l < 8; ++l) {
+      const vec3 alone = present[l] ? one[l].solve(lane(r, l), lane(u, l), mu[l]) : vec3(0, 0, 0);
+      slide +=
+          alone[0] > 0 && std::abs(std::hypot(alone[1], alone[2]) / (mu[l] * alone[0]) - 1) < 1e-9;
+      const vec3 here = lane(found, l);
+      for (int i = 0; i < 3; ++i)
+        different +=
+            std::bit_cast<std::uint64_t>(alone[i]) != std::bit_cast<std::uint64_t>(here[i]);
+    }
+  }
+  CHECK(slide > 5000);
+  CHECK(different == 0);
 }
 
 TEST_CASE("the natural map is zero exactly where Coulomb's law holds") {

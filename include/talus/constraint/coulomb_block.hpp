@@ -58,9 +58,15 @@ struct coulomb_blocks {
     const mask opens = un >= zero;
     const mask slides = both(both(inverted(sticks), inverted(opens)), present);
     vectors next{sticks ? n : zero, sticks ? x : zero, sticks ? y : zero};
-    for (unsigned left = bits_of(slides); left != 0; left &= left - 1) {
-      const auto i = static_cast<std::size_t>(std::countr_zero(left));
-      put_lane(next, i, sliding_lane(i).slide(lane(r, i), lane(u, i), lane(un, i), lane(mu, i)));
+    if (const unsigned all = bits_of(slides); std::popcount(all) >= few) {
+      const vectors found = slide(r, u, un, mu, slides);
+      next = {choose(slides, found.x, next.x), choose(slides, found.y, next.y),
+              choose(slides, found.z, next.z)};
+    } else {
+      for (unsigned left = all; left != 0; left &= left - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(left));
+        put_lane(next, i, sliding_lane(i).slide(lane(r, i), lane(u, i), lane(un, i), lane(mu, i)));
+      }
     }
     // Where friction is large, the law may hold with several impulses: a load on its cone stays.
     const mask held = both(both(inverted(sticks), present), both(pushes, r.x > zero));
@@ -73,7 +79,72 @@ struct coulomb_blocks {
     return next;
   }
 
+  /// The solutions for contacts known to slide, in the lanes `slides`; uses W and inverse_nn alone.
+  /// `un` is the normal velocity without the impulse. Eliminating the normal leaves the law as (S +
+  /// lambda) r_t = -c with the Schur complement S, and mu r_n / |r_t| = 1, which is nearly linear
+  /// in lambda: Newton's method starts from the previous lambda, and mostly takes a step or two. If
+  /// it diverges, the general solution is used.
+  [[nodiscard]] [[gnu::noinline]] vectors slide(const vectors& r, const vectors& u, const Pack& un,
+                                                const Pack& mu, const mask& slides) const {
+    const Pack zero = every_lane<Pack>(0), inverse = inverse_nn;
+    const Pack w1 = n1 * inverse, w2 = n2 * inverse;
+    const Pack s11 = t11 - n1 * w1, s12 = t12 - n1 * w2, s22 = t22 - n2 * w2;
+    const Pack b1 = u.y - (n1 * r.x + t11 * r.y + t12 * r.z),
+               b2 = u.z - (n2 * r.x + t12 * r.y + t22 * r.z);
+    const Pack c1 = b1 - w1 * un, c2 = b2 - w2 * un, free = -un * inverse;
+
+    const Pack before = r.y * r.y + r.z * r.z;
+    Pack lambda = choose(before > zero, -(u.y * r.y + u.z * r.z) / before, zero);
+    if (const mask begins = inverted(lambda > zero); any_lane(both(begins, slides))) {
+      const Pack length = square_root(c1 * c1 + c2 * c2);  // as if it slid along -c
+      const Pack x = -c1 / length, y = -c2 / length;
+      const Pack n = free / (1 + mu * (w1 * x + w2 * y));
+      const Pack from = length / (mu * n) - (s11 * x * x + 2 * s12 * x * y + s22 * y * y);
+      lambda = choose(begins, choose(from > zero, from, zero), lambda);
+    }
+    const auto within = [&](const Pack& x, real most) __attribute__((always_inline)) {
+      return both(x<every_lane<Pack>(most), x> every_lane<Pack>(-most));
+    };
+    const mask rough = inverted(mu == zero);
+    vectors found{choose(both(slides, inverted(rough)), free, zero), zero, zero};
+    mask left = both(slides, rough), lost{}, last{};
+    for (int k = 0; k < 12; ++k) {
+      const Pack p = s11 + lambda, q = s22 + lambda, scale = 1 / (p * q - s12 * s12);
+      const Pack x = scale * (s12 * c2 - q * c1), y = scale * (s12 * c1 - p * c2);
+      const Pack n = free - w1 * x - w2 * y, square = x * x + y * y;
+      const Pack ratio = mu / square_root(square), miss = ratio * n - 1;
+      if (const mask ends = both(left, either(last, within(miss, 1e-14))); any_lane(ends)) {
+        const mask holds = both(ends, both(n >= zero, within(miss, 1e-9)));
+        const Pack fit = ratio * n;  // on the cone to the last relevant bit
+        const mask steep = mu > every_lane<Pack>(1);
+        found.x = choose(holds, choose(steep, n / fit, n), found.x);
+        found.y = choose(holds, choose(steep, x, fit * x), found.y);
+        found.z = choose(holds, choose(steep, y, fit * y), found.z);
+        lost = either(lost, both(ends, inverted(holds))), left = both(left, inverted(ends));
+      }
+      if (!any_lane(left)) break;
+      const Pack dx = scale * (s12 * y - q * x), dy = scale * (s12 * x - p * y);
+      const Pack dn = -w1 * dx - w2 * dy;
+      const Pack slope = ratio * (dn - n * (x * dx + y * dy) / square);
+      const Pack next = lambda - miss / slope;
+      const mask goes_on = both(slope > zero, next >= zero);
+      lost = either(lost, both(left, inverted(goes_on))), left = both(left, goes_on);
+      last = within(miss, 1e-6);
+      lambda = next;
+    }
+    for (unsigned all = bits_of(either(lost, left)); all != 0; all &= all - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(all));
+      const auto of = [&](const Pack& x) { return lane(x, i); };
+      const mat3 w(of(nn), of(n1), of(n2), of(n1), of(t11), of(t12), of(n2), of(t12), of(t22));
+      put_lane(found, i, solve_coulomb(w, {of(un), of(b1), of(b2)}, of(mu)));
+    }
+    return found;
+  }
+
  private:
+  /// Contacts that slide are solved one by one if they are fewer.
+  static constexpr int few = 3;
+
   /// The impulse at which a contact would stick, moved onto its cone, if the law holds with both it
   /// and the impulse `r` to a small relative error, and `found` is another solution; else `found`.
   [[nodiscard]] static vec3 nearer_on_cone(const vec3& r, const vec3& sticking, const vec3& found,
@@ -104,49 +175,8 @@ struct coulomb_block : coulomb_blocks<real> {
     return lane(coulomb_blocks::solve({r[0], r[1], r[2]}, {u[0], u[1], u[2]}, mu, true), 0);
   }
 
-  /// The solution for a contact known to slide; uses W and inverse_nn alone. `un` is the normal
-  /// velocity without the impulse. Eliminating the normal leaves the law as (S + lambda) r_t = -c
-  /// with the Schur complement S, and mu r_n / |r_t| = 1, which is nearly linear in lambda:
-  /// Newton's method starts from the previous lambda, and mostly takes a step or two. If it
-  /// diverges, the general solution is used.
-  [[nodiscard]] [[gnu::noinline]] vec3 slide(const vec3& r, const vec3& u, real un, real mu) const {
-    const real inverse = inverse_nn;
-    if (mu == 0) return {-un * inverse, 0, 0};
-    const real w1 = n1 * inverse, w2 = n2 * inverse;
-    const real s11 = t11 - n1 * w1, s12 = t12 - n1 * w2, s22 = t22 - n2 * w2;
-    const real b1 = u[1] - (n1 * r[0] + t11 * r[1] + t12 * r[2]),
-               b2 = u[2] - (n2 * r[0] + t12 * r[1] + t22 * r[2]);
-    const real c1 = b1 - w1 * un, c2 = b2 - w2 * un, free = -un * inverse;
-
-    const real before = r[1] * r[1] + r[2] * r[2];
-    real lambda = before > 0 ? -(u[1] * r[1] + u[2] * r[2]) / before : 0;
-    if (!(lambda > 0)) {  // as if it slid along -c
-      const real length = std::sqrt(c1 * c1 + c2 * c2), x = -c1 / length, y = -c2 / length;
-      const real n = free / (1 + mu * (w1 * x + w2 * y));
-      lambda = length / (mu * n) - (s11 * x * x + 2 * s12 * x * y + s22 * y * y);
-      if (!(lambda > 0)) lambda = 0;
-    }
-    bool last = false;
-    for (int k = 0; k < 12; ++k) {
-      const real p = s11 + lambda, q = s22 + lambda, scale = 1 / (p * q - s12 * s12);
-      const real x = scale * (s12 * c2 - q * c1), y = scale * (s12 * c1 - p * c2);
-      const real n = free - w1 * x - w2 * y, square = x * x + y * y;
-      const real ratio = mu / std::sqrt(square), miss = ratio * n - 1;
-      if (last || std::abs(miss) < 1e-14) {
-        if (!(n >= 0) || !(std::abs(miss) < 1e-9)) break;
-        const real fit = ratio * n;  // on the cone to the last relevant bit
-        if (mu > 1) return {n / fit, x, y};
-        return {n, fit * x, fit * y};
-      }
-      const real dx = scale * (s12 * y - q * x), dy = scale * (s12 * x - p * y);
-      const real dn = -w1 * dx - w2 * dy;
-      const real slope = ratio * (dn - n * (x * dx + y * dy) / square);
-      const real next = lambda - miss / slope;
-      if (!(slope > 0) || !(next >= 0)) break;
-      last = std::abs(miss) < 1e-6;
-      lambda = next;
-    }
-    return solve_coulomb(mat3(nn, n1, n2, n1, t11, t12, n2, t12, t22), {un, b1, b2}, mu);
+  [[nodiscard]] vec3 slide(const vec3& r, const vec3& u, real un, real mu) const {
+    return lane(coulomb_blocks::slide({r[0], r[1], r[2]}, {u[0], u[1], u[2]}, un, mu, true), 0);
   }
 };
 

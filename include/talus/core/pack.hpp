@@ -160,6 +160,14 @@ template <class Mask>
   else
     return a & b;
 }
+/// The lanes where one of them holds, or both.
+template <class Mask>
+[[nodiscard]] [[gnu::always_inline]] inline Mask either(const Mask& a, const Mask& b) {
+  if constexpr (std::is_same_v<Mask, bool>)
+    return a || b;
+  else
+    return a | b;
+}
 /// The mask holds in lane l too.
 template <class Mask>
 [[gnu::always_inline]] inline void include_lane(Mask& m, std::size_t l) {
