@@ -1,7 +1,10 @@
 #pragma once
 // The path of a body in a step without contacts.
+#include <cmath>
+
 #include "talus/core/math.hpp"
 #include "talus/motion/free_rotation.hpp"
+#include "talus/motion/integrate.hpp"
 
 namespace talus::detail {
 
@@ -17,6 +20,7 @@ struct free_flight {
   real turned = 0;
   vec3 spin{0, 0, 0};     ///< angular velocity
   vec3 inertia{1, 1, 1};  ///< principal moments, to a factor
+  real coarse = 0;        ///< error of the angle that at() may have beside that of rotate_freely()
 
   [[nodiscard]] vec3 place(real t) const {
     return position + t * velocity + (real(0.5) * t * t) * acceleration;
@@ -24,8 +28,15 @@ struct free_flight {
   [[nodiscard]] vec3 speed(real t) const { return velocity + t * acceleration; }
   [[nodiscard]] pose at(real t) const {
     pose p{place(t), orientation};
-    if constexpr (Turns)
-      if (spin.squaredNorm() > 0) (void)rotate_freely(p.orientation, spin, inertia, t - turned);
+    if constexpr (Turns) {
+      const real square = spin.squaredNorm(), lasts = t - turned;
+      if (square == 0 || lasts == 0) return p;
+      if (const real angle = std::sqrt(square) * std::abs(lasts);
+          angle * angle * angle <= 6 * coarse)
+        p.orientation = detail::turned(orientation, turn_midway(orientation, spin, inertia, lasts));
+      else
+        (void)rotate_freely(p.orientation, spin, inertia, lasts);
+    }
     return p;
   }
   /// The body at rest at its position at time t.
