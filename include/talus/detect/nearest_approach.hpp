@@ -19,11 +19,11 @@ namespace talus::detail {
 
 /// Whether two bodies come within a gap of `touch` from time 0 to `to`, by conservative advancement
 /// (Mirtich 1996). If the smallest gap is between half of it and `touch`, the result may be either;
-/// if there is no answer after 100 advances, it is yes.
+/// if there is no answer after 1000 advances, it is yes.
 template <class A, class FlightA, class B, class FlightB>
 [[nodiscard]] bool come_near(const A& a, const FlightA& fa, const B& b, const FlightB& fb, real to,
                              real touch) {
-  constexpr int most = 100;
+  constexpr int most = 1000;
 
   real turning = 0;
   if constexpr (!A::isotropic) turning += fa.spin.norm() * a.bounding_radius();

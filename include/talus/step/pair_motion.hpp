@@ -12,6 +12,7 @@
 #include "talus/detect/nearest_approach.hpp"
 #include "talus/features/continuous_collision/continuous.hpp"
 #include "talus/state/state.hpp"
+#include "talus/step/contact_conditions.hpp"
 
 namespace talus::detail {
 
@@ -64,10 +65,11 @@ class pair_motion {
              -reversing_overlap(a_.shape[i], b_.shape[j]);
     }
   }
-  /// Whether a gap within the slack closes by the velocity `un` along its normal, so that the path
-  /// decides.
-  [[nodiscard]] bool closes_in_slack(real gap, real slack, real un) const {
-    return gap > touching_part * slack && gap + un * s_.dt < 0;
+  /// Whether a gap within the slack closes by the velocity `un` along its normal, or is held while
+  /// the surfaces approach, so that the path decides. `pull` is their acceleration.
+  [[nodiscard]] bool closes_in_slack(real gap, real slack, real un, real pull) const {
+    return gap > touching_part * slack &&
+           (gap + un * s_.dt < 0 || (un < 0 && gap <= held_gap<law>(pull, s_.dt)));
   }
   /// Whether they meet on their paths in this step, as the integrator moves them without contacts.
   [[nodiscard]] bool meet_on_paths(std::size_t i, std::size_t j, const vec3& at_a, const vec3& at_b,
@@ -78,14 +80,17 @@ class pair_motion {
       return points_come_near(at_a - at_b, way_past(i, j, at_a, at_b),
                               a_.shape[i].radius + b_.shape[j].radius + touching_part * slack);
     } else {
-      const auto fa = path_of(a_, i, at_a);
-      const auto fb = path_of(b_, j, at_b);
+      const real touch = touching_part * slack;
+      auto fa = path_of(a_, i, at_a);
+      auto fb = path_of(b_, j, at_b);
+      fa.coarse = part_of_touch * touch / a_.shape[i].bounding_radius();
+      fb.coarse = part_of_touch * touch / b_.shape[j].bounding_radius();
       if constexpr (driven)
         if (const driven_body* one = going_body<ShapeB>(s_, j))
           return come_near(a_.shape[i],
                            moving_frame(fa, one->state.at.point, one->next.v, one->next.w, s_.dt),
-                           b_.shape[j], fb, s_.dt, touching_part * slack);
-      return come_near(a_.shape[i], fa, b_.shape[j], fb, s_.dt, touching_part * slack);
+                           b_.shape[j], fb, s_.dt, touch);
+      return come_near(a_.shape[i], fa, b_.shape[j], fb, s_.dt, touch);
     }
   }
   [[nodiscard]] real gravity() const { return gravity_; }
@@ -147,6 +152,9 @@ class pair_motion {
   }
 
  private:
+  /// The error of a path by its rotation, over the gap at which surfaces touch.
+  static constexpr real part_of_touch = 0.1;
+
   /// The overlap from which on the normal of two bodies may point to the other side: the centre of
   /// a sphere, or the axis of a capsule, enters the other body; else half of the thinner body. It
   /// is at most the size of the smaller one.
