@@ -1,7 +1,9 @@
 // Bodies that rotate side by side: the bits of single ones.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <random>
 #include <talus/motion/rotating_bodies.hpp>
 
@@ -57,4 +59,29 @@ TEST_CASE("eight bodies at once rotate to the bit as one by one") {
   }
   CHECK(slow > 10000);
   CHECK(different == 0);
+}
+
+TEST_CASE("turn_midway is off by at most a sixth of the cube of the angle") {
+  std::mt19937_64 random(12);
+  const auto between = [&](real low, real high) {
+    return std::uniform_real_distribution<>(low, high)(random);
+  };
+  const auto vector = [&] { return vec3(between(-1, 1), between(-1, 1), between(-1, 1)); };
+  real worst = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const quat q =
+        quat(between(-1, 1), between(-1, 1), between(-1, 1), between(-1, 1)).normalized();
+    const real x = between(0.1, 1), y = between(0.1, 1);
+    const vec3 inertia(x, y, between(std::abs(x - y), x + y));  // of some body
+    const real angle = std::pow(10.0, between(-3, -0.5));
+    const vec3 w = angle * vector().normalized();
+    quat exact = q;
+    (void)rotate_freely(exact, w, inertia, real(1));
+    const quat found = turned(q, turn_midway(q, w, inertia, real(1)));
+    const real off = 2 * (found.conjugate() * exact).vec().norm();
+    worst = std::max(worst, (off - 1e-14) / (angle * angle * angle));
+  }
+  MESSAGE("off by at most ", worst, " of the cube");
+  CHECK(worst < 1. / 6);
+  CHECK(worst > 0.01);
 }
