@@ -106,10 +106,11 @@ void check_free_fall() {
     for (const real e : {0., 0.5})
       for (const real dt : {1.0 / 60, 1.0 / 1000})
         for (const real radius : {0.01, 0.5, 20.})
-          for (int n = 0; n < 8; ++n) {
+          for (int n = 0; n < 16; ++n) {
             const fall f{.radius = radius,
                          .dt = dt,
-                         .phase = n / 8.,
+                         .beside = n < 8 ? 1.04 : 1.004,
+                         .phase = n % 8 / 8.,
                          .restitution = e,
                          .turn = turns[n % 3],
                          // By far less than a radius in these steps.

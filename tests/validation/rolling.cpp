@@ -241,7 +241,12 @@ TEST_CASE("with the midpoint a ball that bounces, at restitution 1, keeps its he
 }
 
 TEST_CASE("with the midpoint a heap comes to rest on 1 and 4 ranks, and its ledger closes") {
-  for (const int ranks : {1, 4}) {
+  // Spheres roll on in most heaps that have them, with either integrator, for nothing resists.
+  struct heap {
+    bool spheres;
+    int ranks;
+  };
+  for (const auto [spheres, ranks] : {heap{false, 1}, heap{false, 4}, heap{true, 4}}) {
     threads::launch({.ranks = ranks}, [&](threads::link& link) {
       world<rolling<moreau_midpoint>> w(link);
       w.material({.restitution = 0.2, .friction = 0.5});
@@ -255,7 +260,7 @@ TEST_CASE("with the midpoint a heap comes to rest on 1 and 4 ranks, and its ledg
       for (int k = 0; k < 27; ++k) {
         const vec3 at = vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 + 0.6) +
                         random.uniform(vec3(-.05, -.05, 0), vec3(.05, .05, 0));
-        if (k % 2 == 0)
+        if (spheres && k % 2 == 0)
           w.add_if_local(body{.shape = sphere{0.45}, .position = at});
         else
           w.add_if_local(body{
@@ -265,12 +270,12 @@ TEST_CASE("with the midpoint a heap comes to rest on 1 and 4 ranks, and its ledg
       const auto energy = measure_energy(w);
       const auto motion = measure_motion(w);
       if (link.rank() != 0) return;
-      const std::string test = fmt::format("heap of 27 bodies, midpoint, {} rank(s)", ranks);
+      const std::string test = fmt::format("heap of 27 bodies{}, midpoint, {} rank(s)",
+                                           spheres ? ", 14 of them spheres" : "", ranks);
       check_error(test, "energy that the ledger leaves open", energy.worst, 1e-11);
       check_error(test, "energy that the time stepping adds, over all",
                   energy.total.scheme / energy.initial, 1e-9);
-      // With either integrator spheres roll on in most of such heaps, on one rank and on several.
-      check_error(test, "largest speed after 8 s", motion.max_speed, ranks == 1 ? 1e-6 : 0.2);
+      if (!spheres) check_error(test, "largest speed after 8 s", motion.max_speed, 1e-6);
     });
   }
 }

@@ -147,8 +147,9 @@ class sphere_batch {
     const auto near = x.squared <= reach * reach;
     const auto left_out = excluded | ((gap > slack_) & (gap + closing > slack_));
     const unsigned met = bits_of(both(near, inverted(left_out))) & ((1u << count) - 1);
+    const wide zero = every_lane<wide>(0), held = every_lane<wide>(gravity * dt * dt);
     const auto closes = (gap > every_lane<wide>(touching_part) * slack_) &
-                        (gap + approach * dt < every_lane<wide>(0));
+                        ((gap + approach * dt < zero) | ((approach < zero) & (gap <= held)));
     apart = met & bits_of((gap > slack_) | closes);
     return met;
   }

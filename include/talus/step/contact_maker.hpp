@@ -317,14 +317,14 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       motion_.add_flight(u, i, j);
     }
     if (motion_.parts_before_touching(i, j, x.radius, x.slack, g, u)) return;
+    real pulled = motion_.pull(i, j);
     const bool passing =
-        (g.gap > x.slack || motion_.closes_in_slack(g.gap, x.slack, g.normal.dot(u))) &&
+        (g.gap > x.slack || motion_.closes_in_slack(g.gap, x.slack, g.normal.dot(u), pulled)) &&
         passes(x, g.normal, g.gap);
     if constexpr (monitored<Scenario, penetration_monitor>)
       if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
     contact_type c;
     c.a = static_cast<std::int32_t>(first_a_ + i);
-    real pulled = motion_.pull(i, j);
     if constexpr (paired) {
       c.b = static_cast<std::int32_t>(first_b_ + body_b(x));
     } else if constexpr (driven) {

@@ -12,6 +12,7 @@
 #include "talus/detect/nearest_approach.hpp"
 #include "talus/features/continuous_collision/continuous.hpp"
 #include "talus/state/state.hpp"
+#include "talus/step/contact_conditions.hpp"
 
 namespace talus::detail {
 
@@ -64,10 +65,11 @@ class pair_motion {
              -reversing_overlap(a_.shape[i], b_.shape[j]);
     }
   }
-  /// Whether a gap within the slack closes by the velocity `un` along its normal, so that the path
-  /// decides.
-  [[nodiscard]] bool closes_in_slack(real gap, real slack, real un) const {
-    return gap > touching_part * slack && gap + un * s_.dt < 0;
+  /// Whether a gap within the slack closes by the velocity `un` along its normal, or is held while
+  /// the surfaces approach, so that the path decides. `pull` is their acceleration.
+  [[nodiscard]] bool closes_in_slack(real gap, real slack, real un, real pull) const {
+    return gap > touching_part * slack &&
+           (gap + un * s_.dt < 0 || (un < 0 && gap <= held_gap<law>(pull, s_.dt)));
   }
   /// Whether they meet on their paths in this step, as the integrator moves them without contacts.
   [[nodiscard]] bool meet_on_paths(std::size_t i, std::size_t j, const vec3& at_a, const vec3& at_b,
