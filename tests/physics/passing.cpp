@@ -164,6 +164,26 @@ TEST_CASE("a body that falls spinning beside a wall falls freely, however near i
     fall(box{{r, 2 * r, length}}), fall(capsule{r, length}), fall(cylinder{r, length});
   }
 }
+TEST_CASE("a ball passes an edge in a step in which gravity alone closes the gap to it") {
+  const real dt = 1.0 / 240, radius = 0.05;
+  for (const real gap : {2e-4, 4e-4, 8e-4})
+    for (const real e : {0., 0.5, 0.9})
+      for (const real height : {0.0043, 0.00446, 0.0046}) {
+        serial::link link;
+        world<scene<>> w(link);
+        w.gravity({0, 0, -9.81});
+        w.material({.restitution = e, .friction = 0.5});
+        w.global([](auto& s) {
+          s.add(body{.shape = box{{2, 2, 0.4}}, .position = {-1, 0, -0.2}});
+        });
+        const auto h = w.add(body{.shape = sphere{radius},
+                                  .position = {radius + gap, 0, height},
+                                  .velocity = {0, 0, -height / dt}});
+        w.step(dt);
+        INFO("gap ", gap, ", restitution ", e, ", height ", height);
+        CHECK((w[h].velocity() + vec3(0, 0, height / dt + 9.81 * dt)).norm() < 1e-9);
+      }
+}
 TEST_CASE("so it does with the reproducible solver") { check_free_fall<solver<reproducible>>(); }
 TEST_CASE("so it does with sleeping") { check_free_fall<features<sleeping>>(); }
 

@@ -114,7 +114,7 @@ class sphere_batch {
   wide gap;
   wide approach;       ///< the velocity along the normal
   wide arm_a, arm_b;   ///< distances of the contact from the centres
-  unsigned apart = 0;  ///< those of them with a gap that closes in the step: they may pass
+  unsigned apart = 0;  ///< the lanes whose surfaces do not touch yet: they may pass each other
 
  private:
   /// `find_margins` may set the margins and slacks; the mask that it returns excludes pairs.
@@ -147,10 +147,7 @@ class sphere_batch {
     const auto near = x.squared <= reach * reach;
     const auto left_out = excluded | ((gap > slack_) & (gap + closing > slack_));
     const unsigned met = bits_of(both(near, inverted(left_out))) & ((1u << count) - 1);
-    const wide zero = every_lane<wide>(0), held = every_lane<wide>(gravity * dt * dt);
-    const auto closes = (gap > every_lane<wide>(touching_part) * slack_) &
-                        ((gap + approach * dt < zero) | ((approach < zero) & (gap <= held)));
-    apart = met & bits_of((gap > slack_) | closes);
+    apart = met & bits_of(gap > every_lane<wide>(touching_part) * slack_);
     return met;
   }
 

@@ -318,9 +318,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
     if (motion_.parts_before_touching(i, j, x.radius, x.slack, g, u)) return;
     real pulled = motion_.pull(i, j);
-    const bool passing =
-        (g.gap > x.slack || motion_.closes_in_slack(g.gap, x.slack, g.normal.dot(u), pulled)) &&
-        passes(x, g.normal, g.gap);
+    const bool passing = passes(x, g.normal, g.gap, g.normal.dot(u), pulled);
     if constexpr (monitored<Scenario, penetration_monitor>)
       if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
     contact_type c;
@@ -367,9 +365,10 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     add_to_list(x, c, key);
   }
   /// Whether the surfaces of a contact with such a gap pass each other in this step.
-  [[nodiscard]] bool passes(pair_at_hand& x, const vec3& normal, real gap) const {
+  [[nodiscard]] bool passes(pair_at_hand& x, const vec3& normal, real gap, real un,
+                            real pull) const {
     const vec3 &at_a = position_a(x), &at_b = position_b(x);
-    if (!motion_.may_pass(x.i, x.j, at_a, at_b, x.slack, normal, gap)) return false;
+    if (!motion_.may_pass(x.i, x.j, at_a, at_b, x.slack, normal, gap, un, pull)) return false;
     if (x.paths == path::unknown)
       x.paths = motion_.meet_on_paths(x.i, x.j, at_a, at_b, x.slack) ? path::meet : path::pass;
     return x.paths == path::pass;
@@ -430,7 +429,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     const real pull = waiting_.pull[k];
     const bool fast =
         between.restitution > 0 && (of.approach[k] < -2 * pull * s_.dt || s_.solver.finishes);
-    const bool passing = (of.apart >> k & 1u) && passes(x, normal, gap);
+    const bool passing = (of.apart >> k & 1u) && passes(x, normal, gap, of.approach[k], pull);
     if (fast || passing || between.dynamic_friction < between.friction) [[unlikely]] {
       auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
           between, normal, lane(of.velocity, k), gap, s_.dt, pull,

@@ -159,7 +159,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   [[gnu::noinline]] void let_pass(const wide& pull, renewed_contacts& next) const {
     for (unsigned left = batch_.apart; left != 0; left &= left - 1) {
       const auto k = static_cast<unsigned>(std::countr_zero(left));
-      if (!passes(k)) continue;
+      if (!passes(k, pull[k])) continue;
       const real limit = passing_velocity(batch_.gap[k], batch_.approach[k], pull[k], s_.dt);
       next.target_velocity[k] = limit;
       if (!next.rebounds) continue;
@@ -167,11 +167,12 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       next.slowest[k] = slowest_impact(limit, next.restitution[k], pull[k], s_.dt);
     }
   }
-  [[nodiscard]] bool passes(unsigned k) const {
+  [[nodiscard]] bool passes(unsigned k, real pull) const {
     const auto [i, j] = lanes_[k];
     const vec3 &at_a = a_.position[i], &at_b = a_.position[j];
     const real slack = slack_of<real>(contact_slack, a_.shape[i].radius, a_.shape[j].radius);
-    return motion_.may_pass(i, j, at_a, at_b, slack, lane(batch_.normal, k), batch_.gap[k]) &&
+    return motion_.may_pass(i, j, at_a, at_b, slack, lane(batch_.normal, k), batch_.gap[k],
+                            batch_.approach[k], pull) &&
            !motion_.meet_on_paths(i, j, at_a, at_b, slack);
   }
   /// The places of bodies, of which the last one fills the empty lanes.
@@ -338,7 +339,8 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
         if (s_.solver.finishes) let_part(want, batch_.approach[k]);
         next.limit[k] = want.limit;
       }
-      const bool strikes_now = want.target_velocity > 0 && !((batch_.apart >> k & 1u) && passes(k));
+      const bool strikes_now =
+          want.target_velocity > 0 && !((batch_.apart >> k & 1u) && passes(k, pull[k]));
       s_.solver.impacts = s_.solver.impacts || strikes_now;
       next.target_velocity[k] = want.target_velocity;
       next.correction_rate[k] = want.correction_rate;

@@ -12,7 +12,6 @@
 #include "talus/detect/nearest_approach.hpp"
 #include "talus/features/continuous_collision/continuous.hpp"
 #include "talus/state/state.hpp"
-#include "talus/step/contact_conditions.hpp"
 
 namespace talus::detail {
 
@@ -50,26 +49,23 @@ class pair_motion {
     if constexpr (driven) closing -= b_.angular_velocity[j].norm() * radius * s_.dt;
     return g.gap + closing > slack;
   }
-  /// Whether bodies with such a normal and gap, now at these places, move so far along the surfaces
-  /// in this step that they may pass each other though their gap closes. They may not if a third
-  /// body that takes this motion would leave one on the wrong side of the other.
+  /// Whether bodies with such a normal and gap, now at these places, may pass each other: their gap
+  /// closes in this step, by the velocity `un` along the normal and the acceleration `pull`, and
+  /// they move so far along the surfaces that their paths decide. They may not if a third body that
+  /// takes this motion would leave one on the wrong side of the other.
   [[nodiscard]] bool may_pass(std::size_t i, std::size_t j, const vec3& at_a, const vec3& at_b,
-                              real slack, const vec3& normal, real gap) const {
+                              real slack, const vec3& normal, real gap, real un, real pull) const {
     if constexpr (!ShapeB::finite || state_type::continuous) {
       return false;
     } else {
+      if (gap <= touching_part * slack) return false;
+      if (gap <= slack && !(gap + (un - pull * s_.dt) * s_.dt < 0)) return false;
       const vec3 way = way_past(i, j, at_a, at_b);
       const real turning = way_of_turning(a_, i, s_.dt) + way_of_turning(b_, j, s_.dt);
       if ((way - normal.dot(way) * normal).norm() + turning <= touching_part * slack) return false;
       return gap + normal.dot(way) - gravity_ * s_.dt * s_.dt >=
              -reversing_overlap(a_.shape[i], b_.shape[j]);
     }
-  }
-  /// Whether a gap within the slack closes by the velocity `un` along its normal, or is held while
-  /// the surfaces approach, so that the path decides. `pull` is their acceleration.
-  [[nodiscard]] bool closes_in_slack(real gap, real slack, real un, real pull) const {
-    return gap > touching_part * slack &&
-           (gap + un * s_.dt < 0 || (un < 0 && gap <= held_gap<law>(pull, s_.dt)));
   }
   /// Whether they meet on their paths in this step, as the integrator moves them without contacts.
   [[nodiscard]] bool meet_on_paths(std::size_t i, std::size_t j, const vec3& at_a, const vec3& at_b,
