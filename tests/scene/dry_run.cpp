@@ -2,6 +2,7 @@
 // ranks, and the time of runs whose steps have known times.
 #include <doctest/doctest.h>
 
+#include <memory>
 #include <string>
 #include <talus/scene/dry_run.hpp>
 #include <talus/talus.hpp>
@@ -49,7 +50,75 @@ detail::trial_part part_of(std::uint64_t steps, double before, double after) {
   return {steps, static_cast<double>(steps) * time, static_cast<std::uint64_t>(after)};
 }
 
+/// The estimate of a call of simulate() that a trial measures.
+template <class World>
+detail::run_estimate estimate_of_call(World& w, std::uint64_t steps, real dt) {
+  struct shared {
+    detail::call_trial<typename World::scenario_type> trial{};
+    detail::run_estimate found{};
+    bool on = true;
+  };
+  const auto all = std::make_shared<shared>();
+  w.before_simulating([&w, all] {
+    if (all->on) all->trial.begin(w);
+  });
+  w.monitor_after_observers("trial", [&w, all] {
+    if (!all->on || !all->trial.end_step(w)) return;
+    all->found = all->trial.estimate(w);
+    if (w.steps() < w.last_step()) w.stop();
+  });
+  w.simulate({.steps = steps, .dt = dt});
+  all->on = false;
+  return all->found;
+}
+
+/// 27 spheres at rest, apart from each other and without gravity, which `field` accelerates.
+template <class World>
+void fill_without_gravity(World& w) {
+  w.material({.density = 2, .friction = 0.5});
+  for (int k = 0; k < 27; ++k)
+    w.add_if_local(body{.shape = sphere{0.45},
+                        .position = {1.2 * (k % 3 - 1), 1.2 * (k / 3 % 3 - 1), 1.2 * (k / 9 - 1)}});
+  w.synchronize();
+}
+
+using attracted =
+    scenario<bodies<sphere, plane>, hard_contact<coulomb_friction, newton_restitution>,
+             decomposition<columns_of_space>, transport<threads>, features<forces>>;
+
 }  // namespace
+
+TEST_CASE("the trial of a dry run has the forces of fields, whose names it gives") {
+  for (const int ranks : {1, 2})
+    threads::launch({.ranks = ranks}, [&](threads::link& link) {
+      CAPTURE(ranks);
+      world<attracted> w(link, columns_of_space{.lower = {-5, -5}, .upper = {5, 5}});
+      fill_without_gravity(w);
+      add_force_field(
+          w, [](const vec3& x, real) { return -4 * x; }, "attraction");
+      const detail::run_estimate e = estimate_of_call(w, 240, 1.0 / 120);
+      CHECK(e.contacts() > 27);
+      const std::string text = detail::to_text(e, "grains");
+      CHECK(text.find("there is no gravity") == text.npos);
+      CHECK((e.settled() || text.find("\"attraction\"") != text.npos));
+    });
+}
+
+TEST_CASE("the trial of a dry run calls observers, and ends where they end the call") {
+  threads::launch({.ranks = 2}, [&](threads::link& link) {
+    world<grains> w(link, columns_of_space{.lower = {-5, -5}, .upper = {5, 5}});
+    fill_with_spheres(w, 1);
+    int calls = 0;
+    w.observe(every{1}, [&](auto&) { ++calls; });
+    w.stop_when(every{10}, [](auto& world) { return world.steps() >= 40; });
+    const detail::run_estimate e = estimate_of_call(w, 100, 1.0 / 240);
+    CHECK(calls == 40);
+    CHECK(e.steps == 40);
+    CHECK(detail::to_text(e, "grains")
+              .find("for the 40 steps of this call of simulate(), which "
+                    "ends early in the trial") != std::string::npos);
+  });
+}
 
 TEST_CASE("a dry run takes the time of a contact from the trial") {
   detail::run_estimate e = falling();
@@ -113,16 +182,15 @@ TEST_CASE("the contacts at rest of a dry run are those of the run within 1.5 tim
         world<grains> w(link, columns_of_space{.lower = {-5, -5}, .upper = {5, 5}});
         fill_with_spheres(w, layers);
         const real dt = 1.0 / 240;
-        w.step(dt);
         // While they fall.
-        const detail::run_estimate early = detail::estimate_run(w, 60);
+        const detail::run_estimate early = estimate_of_call(w, 60, dt);
         CHECK(early.bodies == 64);
         CHECK(early.movable == 64);
         CHECK(early.contacts() < 64);
         CHECK(early.trial_steps() == 59);
-        for (int k = 0; k < 900; ++k) w.step(dt);
+        w.simulate({.steps = 900, .dt = dt});
         // At rest: as after a restart.
-        const detail::run_estimate late = detail::estimate_run(w, 100);
+        const detail::run_estimate late = estimate_of_call(w, 100, dt);
         CHECK(late.settled());
         CHECK(late.contacts() >= 64);
         CHECK(late.contacts_at_rest() == late.contacts());

@@ -17,12 +17,13 @@
 
 namespace talus::detail {
 
-/// A dry run makes no outputs.
+/// A dry run makes no outputs, and no limit of time ends its trials.
 [[gnu::cold]] inline void write_nothing(options& o) {
   for (std::string* const file :
        {&o.json, &o.csv, &o.frames, &o.checkpoint, &o.output, &o.view, &o.log})
     file->clear();
   o.checkpoint_every = 0;
+  o.time_limit.clear();
 }
 
 /// Contacts per body of a packing at rest: spheres with friction have five to six contacts each,
@@ -51,7 +52,9 @@ struct run_estimate {
   double process_bytes_max = 0;  ///< that the largest process has had, with programs and libraries
   /// To be made by this call of simulate(), and by those before it.
   std::uint64_t steps = 0, first_step = 0;
-  std::string pair_rules;  ///< in words; empty: of one material
+  bool ends_early = false;            ///< the program ended the call within the trial
+  std::string pair_rules;             ///< in words; empty: of one material
+  std::vector<std::string> forces{};  ///< names of fields of force and fluids
   bool gravity = false;
   bool falls = false;        ///< bodies can move, and come to rest on each other
   double steps_of_fall = 0;  ///< in which the body at the top falls to the bottom and comes to rest
@@ -60,7 +63,8 @@ struct run_estimate {
   [[nodiscard]] std::uint64_t trial_steps() const;
   [[nodiscard]] double trial_seconds() const;
   [[nodiscard]] std::uint64_t contacts() const { return trial.empty() ? 0 : trial.back().contacts; }
-  /// Whether all bodies have had the time to fall, and the number of contacts stays as it is.
+  /// Whether all bodies have had the time to fall under gravity, and the number of contacts stays
+  /// as it is.
   [[nodiscard]] bool settled() const;
   /// Contacts of the bodies when they have come to rest on each other.
   [[nodiscard]] double contacts_at_rest() const;
@@ -117,44 +121,65 @@ template <class Scenario>
     e.steps_of_fall = 1.5 * std::sqrt(2 * (largest[1] + largest[2]) / size) / dt;
 }
 
-/// Collective: makes steps for a second, and up to ten seconds while the bodies still come to rest
-/// on each other, and measures. `steps`: those of this call of simulate(); `before`: those of the
-/// earlier ones, of which trials may have made fewer.
+/// The trial of a call of simulate(). It measures steps which that call makes, with all functions
+/// that act after them, for a second, and up to ten seconds while the bodies still come to rest.
 template <class Scenario>
-[[nodiscard, gnu::cold]] run_estimate estimate_run(world<Scenario>& w, std::uint64_t steps,
-                                                   std::uint64_t before = 0) {
-  constexpr double long_enough = 1, longest = 10, part = 0.2;
-  run_estimate e;
-  e.ranks = w.ranks();
-  e.first_step = std::max<std::uint64_t>(w.steps(), before);
-  e.steps = steps;
-  if (w.materials().size() > 1) e.pair_rules = w.materials().describe_rules();
-  const real dt = state_of(w).dt;
-  count_bodies(w, e);
-  for (std::uint64_t made = 0, batch = 1; made < steps;) {
-    const std::uint64_t now = std::min(batch, steps - made);
-    const double start = wall_seconds();
-    for (std::uint64_t k = 0; k < now; ++k) w.step(dt);
-    double seconds = wall_seconds() - start;
+class call_trial {
+ public:
+  /// Collective: a call of simulate() begins. `before`: the steps of the earlier calls, of which
+  /// trials may have made fewer.
+  void begin(world<Scenario>& w, std::uint64_t before = 0) {
+    e_ = {};
+    e_.ranks = w.ranks();
+    e_.first_step = std::max<std::uint64_t>(w.steps(), before);
+    e_.steps = w.last_step() - w.steps();
+    if (w.materials().size() > 1) e_.pair_rules = w.materials().describe_rules();
+    e_.forces = w.noted_forces();
+    count_bodies(w, e_);
+    over_ = false;
+    made_ = in_batch_ = 0, batch_ = 1;
+    start_ = wall_seconds();
+  }
+  /// Collective: the call has made a step. Returns whether the trial ends with it.
+  [[nodiscard]] bool end_step(world<Scenario>& w) {
+    constexpr double long_enough = 1, longest = 10, part = 0.2;
+    const bool last = w.steps() >= w.last_step();
+    if (over_ || (++in_batch_ < batch_ && !last)) return false;
+    double seconds = wall_seconds() - start_;
     w.link().reduce(reduction::max, std::span(&seconds, 1));
     std::uint64_t contacts = count_contacts(view_of(w));
     w.link().reduce(reduction::sum, std::span(&contacts, 1));
-    if (made == 1) e.trial.clear();  // the first step
-    made += now;
-    e.trial.push_back({now, seconds, contacts});
-    const double passed = e.trial_seconds();
-    if (passed > longest || (passed > long_enough && (!e.falls || e.settled()))) break;
-    if (made > 1 && seconds < part) batch *= 2;
-    if (seconds > 2 * part) batch = std::max<std::uint64_t>(1, batch / 2);
+    if (made_ == 1) e_.trial.clear();  // the first step
+    made_ += in_batch_;
+    e_.trial.push_back({in_batch_, seconds, contacts});
+    if (!e_.falls) count_bodies(w, e_);  // an inflow may have added the first that can
+    const double passed = e_.trial_seconds();
+    const bool changes = (e_.falls || !e_.forces.empty()) && !e_.settled();
+    over_ = last || passed > longest || (passed > long_enough && !changes);
+    if (made_ > 1 && seconds < part) batch_ *= 2;
+    if (seconds > 2 * part) batch_ = std::max<std::uint64_t>(1, batch_ / 2);
+    in_batch_ = 0;
+    start_ = wall_seconds();
+    return over_;
   }
-  e.bytes = static_cast<double>(bytes_in_use(w));
-  std::array<double, 2> largest{e.bytes, bytes_of_process()};
-  w.link().reduce(reduction::sum, std::span(&e.bytes, 1));
-  w.link().reduce(reduction::max, std::span<double>(largest));
-  e.bytes_max = largest[0];
-  e.process_bytes_max = largest[1];
-  return e;
-}
+  /// Collective: what the run will need.
+  [[nodiscard]] run_estimate estimate(world<Scenario>& w) {
+    if (w.stopped() && made_ > 0) e_.ends_early = true, e_.steps = made_;
+    e_.bytes = static_cast<double>(bytes_in_use(w));
+    std::array<double, 2> largest{e_.bytes, bytes_of_process()};
+    w.link().reduce(reduction::sum, std::span(&e_.bytes, 1));
+    w.link().reduce(reduction::max, std::span<double>(largest));
+    e_.bytes_max = largest[0];
+    e_.process_bytes_max = largest[1];
+    return e_;
+  }
+
+ private:
+  run_estimate e_;
+  std::uint64_t made_ = 0, in_batch_ = 0, batch_ = 1;
+  double start_ = 0;
+  bool over_ = false;
+};
 
 }  // namespace talus::detail
 

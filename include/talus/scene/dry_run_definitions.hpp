@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "talus/core/error.hpp"
 #include "talus/core/linkage.hpp"
@@ -107,6 +108,12 @@ TALUS_INLINE double run_estimate::seconds() const {
   return text(seconds / 3600, 3) + " h";
 }
 
+[[nodiscard, gnu::cold]] inline std::string join_names(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : "\", \"") + name;
+  return all;
+}
+
 TALUS_INLINE std::string to_text(const run_estimate& e, const std::string& program) {
   std::string all = program.empty()
                         ? std::string("a later call of simulate()\n")
@@ -117,9 +124,12 @@ TALUS_INLINE std::string to_text(const run_estimate& e, const std::string& progr
   if (made == 0) return all + "  time     none: there is no step to be made\n";
   const bool moving = e.falls && !e.settled();
   all += compose("  contacts {} after the trial, ", e.contacts());
-  all += moving      ? compose("about {} when the bodies rest on each other\n",
-                               static_cast<std::uint64_t>(e.contacts_at_rest()))
-         : e.falls   ? "and their number no longer grows\n"
+  all += moving ? compose("about {} when the bodies rest on each other\n",
+                          static_cast<std::uint64_t>(e.contacts_at_rest()))
+         : e.settled() && (e.falls || !e.forces.empty()) ? "and their number no longer grows\n"
+         : !e.forces.empty()
+             ? compose("and as many later: the estimate does not know how \"{}\" changes them\n",
+                       join_names(e.forces))
          : e.gravity ? "and as many later: no body can move yet\n"
                      : "and as many later: there is no gravity\n";
   if (!e.pair_rules.empty()) all += compose("           {}\n", e.pair_rules);
@@ -132,8 +142,9 @@ TALUS_INLINE std::string to_text(const run_estimate& e, const std::string& progr
                  text(static_cast<double>(made) / e.trial_seconds(), 3), made,
                  text(1 / e.step_at_end(), 3));
   if (moving) all += compose(", about {} at rest", text(1 / e.step_at_rest(), 3));
-  return all + compose("\n  time     {} for the {} steps of this call of simulate()\n",
-                       seconds_text(e.seconds()), e.steps);
+  return all + compose("\n  time     {} for the {} steps of this call of simulate(){}\n",
+                       seconds_text(e.seconds()), e.steps,
+                       e.ends_early ? ", which ends early in the trial" : "");
 }
 
 TALUS_INLINE std::string to_text(const total_estimate& e, const std::string& remark) {

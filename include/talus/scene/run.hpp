@@ -221,17 +221,22 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   until_option until(options);
   std::vector<std::uint64_t> asked;  // of the calls of simulate()
   total_estimate estimate;
+  call_trial<Scenario> trial;
+  const auto end_trial = [&] {
+    const run_estimate e = trial.estimate(w);
+    if (speaks) log.print(to_text(e, estimate.calls == 0 ? name : ""));
+    estimate.add(e);
+    if (estimate.calls == most_tried_calls)
+      throw ended_early{w.steps(), 0, ended_early::cause::dry_run};
+    if (w.steps() < w.last_step()) w.stop();
+  };
   step_times times;
   state_of(w).single_steps = &times;
   w.before_simulating("checks at the start", [&] {
     asked.push_back(w.last_step() - w.steps());
     if (options.dry_run) {
-      const run_estimate e = estimate_run(w, w.last_step() - w.steps(), estimate.steps);
-      if (speaks) log.print(to_text(e, estimate.calls == 0 ? name : ""));
-      estimate.add(e);
-      if (estimate.calls == most_tried_calls)
-        throw ended_early{w.steps(), 0, ended_early::cause::dry_run};
-      w.stop();
+      trial.begin(w, estimate.steps);
+      if (w.steps() == w.last_step()) end_trial();
       return;
     }
     require_pictures(w, options);
@@ -262,6 +267,10 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
     out_of_time = true;  // checkpoints end the run when they have written the state
     if (options.checkpoint.empty()) throw ended_early{w.steps(), 0, ended_early::cause::time_limit};
   });
+  if (options.dry_run)
+    w.monitor_after_observers("trial of --dry-run", [&] {
+      if (trial.end_step(w)) end_trial();
+    });
   attach_checkpoints(w, options, log, progress, table, out_of_time);
   const std::function<void()> write_last = attach_output(w, options, log);
   const auto view = attach_view(w, options, name);

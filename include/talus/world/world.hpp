@@ -719,6 +719,8 @@ class world {
   /// Notes a force on bodies, with its name, that functions of before_simulating() and
   /// after_each_step() add: step() outside of simulate() is then refused, since it lacks the force.
   void note_force(const std::string& name) { forces_.push_back(name); }
+  /// The names of note_force(), in the order of the calls.
+  [[nodiscard]] const std::vector<std::string>& noted_forces() const { return forces_; }
   /// Notes that pictures are taken of this world, by take_pictures() or in another way: run() then
   /// accepts --frames.
   void note_pictures() { takes_pictures_ = true; }
