@@ -94,15 +94,22 @@ TEST_CASE("of many lengths of steps those next to each other are one") {
 
 TEST_CASE("a key of the JSON file is there once, --steps and --dt are not ignored in silence") {
   const std::string json = "/tmp/talus_summary_" + std::to_string(getpid()) + ".json";
-  CHECK(said_with({"--steps", "51"}, json).find("--steps 51 seems to have no effect") !=
-        std::string::npos);
-  CHECK(said_with({"--steps", "50"}, json).find("--steps") == std::string::npos);
-  CHECK(said_with({}, json).find("--steps") == std::string::npos);
-  CHECK(said_with({"--dt", "0.3"}, json)
-            .find("--dt 0.3 seems to have no effect in this program, whose steps have lengths of "
-                  "0.01: give") != std::string::npos);
-  CHECK(said_with({"--dt", "0.004"}, json).find("--dt") == std::string::npos);
-  CHECK(said_with({}, json).find("--dt") == std::string::npos);
+  const auto says = [&](std::vector<std::string> words, const std::string& what) {
+    return said_with(std::move(words), json).find(what) != std::string::npos;
+  };
+  CHECK(says({"--steps", "51"},
+             "--steps is 51, but the calls of world.simulate in this program ask for 50 steps in "
+             "all: if that does not follow from it, give one .steps = options.steps"));
+  CHECK(says({"--steps", "1000"}, "--steps is 1000"));  // also the default, where it is given
+  CHECK(says({"--set", "steps=1000"}, "--steps is 1000"));
+  CHECK(!says({"--steps", "50"}, "--steps"));
+  CHECK(!says({}, "--steps"));
+  CHECK(says({"--dt", "0.3"},
+             "--dt is 0.3, but the steps of this program have lengths of 0.01: if these do not "
+             "follow from it, give world.simulate .dt = options.dt"));
+  CHECK(says({"--dt", "0.02"}, "--dt is 0.02"));  // twice as much by chance
+  CHECK(!says({"--dt", "0.004"}, "--dt"));
+  CHECK(!says({}, "--dt"));
   std::stringstream text;
   text << std::ifstream(json).rdbuf();
   CHECK(count(text.str(), "\"dt\":") == 1);
@@ -112,26 +119,40 @@ TEST_CASE("a key of the JSON file is there once, --steps and --dt are not ignore
   unlink(json.c_str());
 }
 
-TEST_CASE("calls of simulate() that follow from a number of steps") {
-  using detail::follow_from;
-  CHECK(follow_from({500, 1000, 20}, 1000));  // stages
-  CHECK(follow_from({33, 33, 33}, 100));      // a third of it, three times
-  CHECK(follow_from({30, 70}, 100));
-  CHECK(follow_from({40, 40, 40}, 100));  // a loop until it is reached
-  CHECK(follow_from({200}, 100));         // 2 * options.steps
-  CHECK(!follow_from({1000}, 50));        // a round number of the program
-  CHECK(!follow_from({300}, 100));
-  CHECK(!follow_from({500}, 100 + 1));
-  CHECK(!follow_from({50}, 100));
-  CHECK(!follow_from({500, 20}, 100));
+TEST_CASE("calls of simulate() that make a number of steps, and those that do so by chance") {
+  using detail::make_steps;
+  CHECK(make_steps({500, 1000, 20}, 1000));  // stages
+  CHECK(make_steps({33, 33, 33}, 100));      // a third of it, three times
+  CHECK(make_steps({20, 33, 33, 33}, 100));
+  CHECK(make_steps({30, 70}, 100));
+  CHECK(make_steps({500, 30, 70}, 100));
+  CHECK(make_steps({}, 100));
+  CHECK(make_steps({0}, 0));
+  CHECK(!make_steps({50}, 0));
+  CHECK(!make_steps({1000}, 50));  // a round number of the program
+  CHECK(!make_steps({200}, 100));
+  CHECK(!make_steps({300}, 100));
+  CHECK(!make_steps({500}, 100 + 1));
+  CHECK(!make_steps({50}, 100));
+  CHECK(!make_steps({500, 20}, 100));
+  CHECK(!make_steps({99, 500}, 100));
+  for (const std::uint64_t steps : {700, 510, 34, 2040, 1079})  // of 1020
+    CHECK(!make_steps(std::vector<std::uint64_t>(60, 17), steps));
+  CHECK(!make_steps(std::vector<std::uint64_t>(1000, 1), 1999));
+  CHECK(!make_steps(std::vector<std::uint64_t>(5000, 7), 100));
 }
 
-TEST_CASE("lengths of steps that follow from one") {
-  using detail::follows_from;
-  CHECK(follows_from({}, 0.1));
-  CHECK(follows_from({{0.1, 0}}, 0.1));
-  CHECK(follows_from({{0.1 / 3, 0}, {7, 0}}, 0.1));  // in parts
-  CHECK(follows_from({{0.2, 0}}, 0.1));
-  CHECK(!follows_from({{0.07, 0}, {0.08, 0}}, 0.1));
-  CHECK(!follows_from({{1e-5, 0}}, 0.1));
+TEST_CASE("steps that have a length, and those that have a multiple by chance") {
+  using detail::have_length;
+  CHECK(have_length({}, 0.1));
+  CHECK(have_length({{0.1, 0}}, 0.1));
+  CHECK(have_length({{0.1, 0}, {7, 0}}, 0.1));
+  CHECK(!have_length({{0.002, 0}}, 0.004));
+  CHECK(!have_length({{0.002, 0}}, 0.001));
+  CHECK(!have_length({{0.07, 0}, {0.08, 0}}, 0.075));
+  CHECK(!have_length({{1e-5, 0}}, 0.1));
+  std::vector<detail::step_lengths::entry> many;
+  for (int k = 0; k < 64; ++k) many.push_back({1e-3 * (k + 1), 0});
+  CHECK(have_length(many, 0.0305));
+  CHECK(!have_length(many, 0.1));
 }

@@ -330,12 +330,18 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   progress.finish(w.steps(), note);
   const double wall = wall_seconds() - start;
   if (speaks && !silent) mention_forgotten(log, name, w.steps() > 0, options);
-  if (speaks && ended.empty() && options.restart.empty() && options.steps != Options{}.steps)
-    if (const std::string words = unused_steps(asked, options.steps); !words.empty())
-      log.say(compose("{}: warning: {}\n", name, words), quiet);
-  if (speaks && ended.empty() && options.restart.empty() && options.dt != Options{}.dt)
-    if (const std::string words = unused_dt(state_of(w).lengths.all(), options.dt); !words.empty())
-      log.say(compose("{}: warning: {}\n", name, words), quiet);
+  if (speaks && ended.empty() && options.restart.empty()) {
+    const auto given = [&](const char* name, bool differs) {
+      return differs || on_command_line(options.configuration, name);
+    };
+    if (given("steps", options.steps != Options{}.steps))
+      if (const std::string words = unused_steps(asked, options.steps); !words.empty())
+        log.say(compose("{}: warning: {}\n", name, words), quiet);
+    if (given("dt", options.dt != Options{}.dt))
+      if (const std::string words = unused_dt(state_of(w).lengths.all(), options.dt);
+          !words.empty())
+        log.say(compose("{}: warning: {}\n", name, words), quiet);
+  }
 
   if (w.steps() == 0) w.synchronize();
   if (write_last) write_last();

@@ -12,6 +12,7 @@ namespace talus::detail {
 /// The lengths of all steps, equal on all ranks and in ascending order.
 class step_lengths {
  public:
+  static constexpr std::size_t most = 64;  ///< lengths that are kept apart
   struct entry {
     real dt = 0;
     real fastest = 0;  ///< approach along the normal of a contact, on this rank
@@ -35,7 +36,6 @@ class step_lengths {
   [[nodiscard]] const std::vector<entry>& all() const { return all_; }
 
  private:
-  static constexpr std::size_t most = 64;
   [[nodiscard]] std::vector<entry>::iterator place() {
     return std::lower_bound(all_.begin(), all_.end(), now_,
                             [](const entry& x, real dt) { return x.dt < dt; });

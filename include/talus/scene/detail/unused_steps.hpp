@@ -1,8 +1,10 @@
 #pragma once
-// Whether a program uses the number of steps, and their length, on its command line.
+// Whether a program makes the number of steps, and the length of steps, of its command line.
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "talus/core/error.hpp"
@@ -11,58 +13,67 @@
 
 namespace talus::detail {
 
-/// Whether calls of simulate() that asked for these numbers of steps may follow from `steps`: some
-/// in a row ask for as many (but for the remainders of a division), one asks for twice as many, or
-/// the last of several reaches it.
-[[nodiscard, gnu::cold]] inline bool follow_from(const std::vector<std::uint64_t>& asked,
-                                                 std::uint64_t steps) {
-  constexpr std::size_t many = 1000;
-  if (asked.empty() || asked.size() > many || steps == 0) return true;
+/// Whether the configuration of options::configuration has this key from the command line.
+[[nodiscard, gnu::cold]] inline bool on_command_line(std::string_view configuration,
+                                                     std::string_view key) {
+  const std::string head = "\n" + std::string(key) + " = ";
+  const std::string all = "\n" + std::string(configuration);
+  const std::size_t at = all.find(head);
+  if (at == all.npos) return false;
+  const std::string_view line =
+      std::string_view(all).substr(at + 1, all.find('\n', at + 1) - at - 1);
+  return line.ends_with("  # command line") || line.ends_with("  # --set");
+}
+
+/// Whether calls of simulate() that asked for these numbers of steps make as many as `steps`: one
+/// of them, all, all but the first or the last, or several in a row that ask for equal parts of it
+/// does so, but for a remainder of the division of at most a hundredth. (Other relations, such as
+/// twice as many, also hold by chance for calls with numbers of their own.)
+[[nodiscard, gnu::cold]] inline bool make_steps(const std::vector<std::uint64_t>& asked,
+                                                std::uint64_t steps) {
+  if (asked.empty()) return true;  // the program calls step()
   std::uint64_t all = 0;
-  for (std::size_t first = 0; first < asked.size(); ++first) {
-    all += asked[first];
-    if (asked[first] == 2 * steps) return true;
-    std::uint64_t sum = 0;
-    for (std::size_t k = first; k < asked.size() && sum <= steps; ++k) {
-      sum += asked[k];
-      const std::uint64_t rest = k - first;
-      if (sum + rest >= steps && sum <= steps + rest) return true;
-    }
+  for (std::size_t first = 0, end = 0; first < asked.size(); first = end) {
+    for (end = first; end < asked.size() && asked[end] == asked[first];) ++end;
+    const std::uint64_t calls = end - first, sum = calls * asked[first];
+    all += sum;
+    if (asked[first] == steps) return true;
+    if (sum <= steps && steps - sum < calls && 100 * (steps - sum) <= steps) return true;
   }
-  return asked.size() > 1 && all >= steps && all - asked.back() < steps;
+  return steps == all ||
+         (asked.size() > 1 && (steps == all - asked.front() || steps == all - asked.back()));
 }
 
 /// A sentence on standard error if they do not; else empty.
 [[nodiscard, gnu::cold]] inline std::string unused_steps(const std::vector<std::uint64_t>& asked,
                                                          std::uint64_t steps) {
-  if (follow_from(asked, steps)) return {};
+  if (make_steps(asked, steps)) return {};
   std::uint64_t all = 0;
   for (const std::uint64_t n : asked) all += n;
   return compose(
-      "--steps {} seems to have no effect in this program, whose calls of world.simulate ask for "
-      "{} steps in "
-      "all: give it .steps = options.steps",
+      "--steps is {}, but the calls of world.simulate in this program ask for {} steps in all: if "
+      "that does not follow from it, give one .steps = options.steps",
       steps, all);
 }
 
-/// Whether one of these lengths of steps may follow from `dt`: it is `dt`, up to ten times as much,
-/// or a whole part down to a tenth.
-[[nodiscard, gnu::cold]] inline bool follows_from(const std::vector<step_lengths::entry>& used,
-                                                  real dt) {
+/// Whether steps of these lengths have the length `dt`. Of more lengths than are kept, it is within
+/// them.
+[[nodiscard, gnu::cold]] inline bool have_length(const std::vector<step_lengths::entry>& used,
+                                                 real dt) {
   for (const auto& one : used)
-    for (const real ratio : {one.dt / dt, dt / one.dt})
-      if (ratio < 10.5 && std::abs(ratio - std::round(ratio)) < 1e-6) return true;
-  return used.empty();
+    if (std::abs(one.dt - dt) <= 1e-6 * dt) return true;
+  return used.empty() ||
+         (used.size() >= step_lengths::most && used.front().dt < dt && dt < used.back().dt);
 }
 
 /// A sentence on standard error if none does; else empty.
 [[nodiscard, gnu::cold]] inline std::string unused_dt(const std::vector<step_lengths::entry>& used,
                                                       real dt) {
-  if (follows_from(used, dt)) return {};
+  if (have_length(used, dt)) return {};
   const real least = used.front().dt, most = used.back().dt;
   return compose(
-      "--dt {} seems to have no effect in this program, whose steps have lengths of {}{}: give "
-      "world.simulate .dt = options.dt",
+      "--dt is {}, but the steps of this program have lengths of {}{}: if these do not follow from "
+      "it, give world.simulate .dt = options.dt",
       dt, text(least, 4), least == most ? std::string() : " to " + text(most, 4));
 }
 
