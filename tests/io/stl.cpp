@@ -115,6 +115,15 @@ TEST_CASE("a text of several solids of which the last is cut off is refused") {
   CHECK_THROWS_WITH(surface(without), doctest::Contains("has no 'endfacet'"));
 }
 
+TEST_CASE("a text in UTF-16 is refused with that reason") {
+  const std::string text = text_of(sheet(3), "one");
+  for (const bool big : {false, true}) {
+    std::string wide = big ? "\xfe\xff" : "\xff\xfe";
+    for (const char c : text) wide += big ? std::string({'\0', c}) : std::string({c, '\0'});
+    CHECK_THROWS_WITH(surface(wide), doctest::Contains("is in UTF-16: save it as UTF-8"));
+  }
+}
+
 TEST_CASE("the title of a text may have any words") {
   const triangle_mesh given(sheet(2));
   for (const char* const title :

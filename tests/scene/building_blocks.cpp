@@ -126,6 +126,11 @@ TEST_CASE("packings are read, and bad rows are refused by their number") {
   for (const char* text :
        {"R;X;Y;Z;VX;Colour\n0.5;1;2;3;-1;red\n0.1;-1;0;0;0;\n",
         "\"r\",\"x\",\"y\",\"z\",\"vx\"\n\"0.5\",\"1\",\"2\",\"3\",\"-1\"\n0.1,-1,0,0,0\n",
+        "r,x,y,z,vx,name\n.5,1,2,3,-1,\"a, b\"\n.1,-1,0,0,0, \"\"\"c\"\", d\" \n",
+        "name,r,x,y,z,vx\n\"5\",.5,1,2,3,-1\n5\",.1,-1,0,0,0\n",
+        "name,r,x,y,z,vx\n\"a,.5,1,2,3,-1\n'70s,.1,-1,0,0,0\n",
+        "\"size, m\";r;x;y;z;vx\n1;.5;1;2;3;-1\n\"1; 2\";.1;-1;0;0;0\n",
+        "r x y z vx name\n.5 1 2 3 -1 \"a b\"\n.1 -1 0 0 0 c\n",
         "'r';'x';'y';'z';'vx'\n'0.5';1;2;3;-1\n0.1;-1;0;0;0\n",
         "r\tx\ty\tz\tvx\tcolour\n0.5\t1\t2\t3\t-1\tdark red\n0.1\t-1\t0\t0\t0\t\n",
         "r  x y z   vx\n0.5 1   2 3\t-1\n 0.1 -1 0 0 0 \n",

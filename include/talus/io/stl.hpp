@@ -159,6 +159,8 @@ class stl_words {
   const std::size_t needed = 84 + 50 * std::size_t{count};
   const bool binary = bytes.size() >= needed && bytes.size() < needed + 50;
   if (!binary && !detail::is_text_stl(bytes)) {
+    if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
+      detail::fail<std::runtime_error>("the STL file {} is in UTF-16: save it as UTF-8", file);
     // (Of what is no text either, such as a picture, that number has no meaning.)
     if (bytes.size() >= 84 && count < (std::uint32_t{1} << 24))
       detail::fail<std::runtime_error>(

@@ -22,6 +22,31 @@ namespace talus {
 
 namespace detail {
 
+/// Where the text in double quotes that begins at `at` ends: behind the quote that closes it,
+/// before a separator or the end of the line. Two quotes within it stand for one. `at` if none
+/// closes it.
+[[nodiscard, gnu::cold]] TALUS_INLINE std::size_t end_of_quotes(const std::string& line,
+                                                                std::size_t at, char separator) {
+  for (std::size_t k = line.find('"', at + 1); k != line.npos; k = line.find('"', k + 1)) {
+    if (k + 1 < line.size() && line[k + 1] == '"') {
+      ++k;
+      continue;
+    }
+    std::size_t after = k + 1;
+    while (after < line.size() && line[after] == ' ' && separator != ' ') ++after;
+    return after == line.size() || line[after] == separator ? k + 1 : at;
+  }
+  return at;
+}
+
+/// The next separator of a line that is not within double quotes, or the size of the line.
+[[nodiscard, gnu::cold]] TALUS_INLINE std::size_t end_of_field(const std::string& line,
+                                                               std::size_t at, char separator) {
+  const std::size_t first = line.find_first_not_of(separator == '\t' ? " " : " \t", at);
+  if (first != line.npos && line[first] == '"') at = end_of_quotes(line, first, separator);
+  return std::min(line.find(separator, at), line.size());
+}
+
 /// The fields of a line, without the blanks and quotes around them. A blank as separator stands for
 /// any number of blanks.
 [[nodiscard, gnu::cold]] TALUS_INLINE std::vector<std::string> fields_of(const std::string& line,
@@ -35,7 +60,7 @@ namespace detail {
   std::string rest = trim(line);
   if (separator == ' ') std::replace(rest.begin(), rest.end(), '\t', ' ');
   for (std::size_t at = 0; at <= rest.size();) {
-    const std::size_t end = std::min(rest.find(separator, at), rest.size());
+    const std::size_t end = end_of_field(rest, at, separator);
     std::string field = trim(rest.substr(at, end - at));
     if (field.size() > 1 && (field.front() == '"' || field.front() == '\'') &&
         field.back() == field.front())
@@ -49,7 +74,10 @@ namespace detail {
 /// The separator of a table by its first line.
 [[nodiscard, gnu::cold]] TALUS_INLINE char separator_of(const std::string& names) {
   for (const char c : {',', ';', '\t'})
-    if (names.find(c) != std::string::npos) return c;
+    for (std::size_t at = 0; at < names.size(); ++at)
+      if ((at = end_of_field(names, at, c)) < names.size() &&
+          std::count(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(at), '"') % 2 == 0)
+        return c;
   return fields_of(names, '|').size() > 3 ? '|' : ' ';  // |v| may be the name of a column
 }
 
