@@ -887,8 +887,13 @@ class world {
   [[no_unique_address]] std::conditional_t<keeps, detail::checkpoint_keeper, detail::keeps_nothing>
       keeper_;
 
-  // The last member, because clang leaves out those behind a failed assertion.
-  static_assert(detail::complete<typename Scenario::transport>,
+  // The last members, because clang leaves out those behind a failed assertion.
+  static_assert(detail::complete<typename Scenario::transport> ||
+                    !std::is_same_v<typename Scenario::transport, serial>,
+                "a world needs the transport of its scenario, which is serial: write #include "
+                "<talus/parallel/serial.hpp>");
+  static_assert(detail::complete<typename Scenario::transport> ||
+                    std::is_same_v<typename Scenario::transport, serial>,
                 "a world needs the transport of its scenario, which is threads unless it names "
                 "another: write #include <talus/parallel/threads.hpp>");
 };
