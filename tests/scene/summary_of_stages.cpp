@@ -28,7 +28,7 @@ summary two_lengths(int stages) {
     w.global([&](auto& s) { s.add(plane{}, m); });
     w.add(body{
         .shape = sphere{0.01}, .position = {0, 0, 0.02}, .material = m, .velocity = {0, 0, -2}});
-    w.simulate({.steps = 100, .dt = 1e-4});
+    if (stages > 0) w.simulate({.steps = 100, .dt = 1e-4});
     if (stages > 1) w.simulate({.steps = 100, .dt = 1e-6});
     r = summarize(w, 0, 0);
   });
@@ -79,6 +79,33 @@ TEST_CASE("the shortest contact is counted in steps of its own length") {
   const std::string text = to_text(two);
   CHECK(text.find("200 steps of 1e-06 to 0.0001") != text.npos);
   CHECK(to_json(two).find("\"dt_most\": 0.0001") != std::string::npos);
+}
+
+TEST_CASE("a run without steps, as a restart at the last one, has no figures of a step") {
+  using scene = scenario<bodies<sphere, plane>, transport<serial>>;
+  for (const int steps : {0, 2}) {
+    summary r;
+    serial::launch({}, [&](serial::link& link) {
+      world<scene> w(link);
+      w.gravity({0, 0, -1});
+      const auto m = w.material({.density = 1});
+      w.global([&](auto& s) { s.add(plane{}, m); });
+      w.add(sphere{1}, m, {0, 0, 1});
+      w.simulate({.steps = static_cast<std::size_t>(steps), .dt = 0.01});
+      r = summarize(w, 1, 1);
+    });
+    for (const int made : {steps, 0}) {
+      r.restarted_at = static_cast<std::uint64_t>(steps - made);
+      r.ranks = 2;
+      CAPTURE(steps);
+      CAPTURE(made);
+      const std::string text = to_text(r), json = to_json(r);
+      for (const char* words : {"per step", "in the last step", "in a step;"})
+        CHECK((text.find(words) != text.npos) == (made > 0));
+      for (const char* key : {"\"contacts\"", "\"residual\"", "\"residual_max\"", "per_step"})
+        CHECK((json.find(key) != json.npos) == (made > 0));
+    }
+  }
 }
 
 TEST_CASE("of many lengths of steps those next to each other are one") {

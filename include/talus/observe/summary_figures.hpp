@@ -83,11 +83,13 @@ struct summary {
 
 namespace detail {
 
-/// By this run, at least one.
+/// The steps of this run, since its restart, at least one.
 [[nodiscard]] double steps_taken(std::uint64_t steps, std::uint64_t restarted_at);
 
 }  // namespace detail
 
+/// Whether this run made a step, since its restart: figures of a step are there then.
+[[nodiscard]] inline bool made_steps(const summary& r) { return r.steps > r.restarted_at; }
 /// Iterations of the contact solver per step.
 [[nodiscard]] double mean_iterations(const summary& r);
 

@@ -57,7 +57,7 @@ TALUS_INLINE std::string to_json(const summary& r) {
   o.add("bodies", r.moving.bodies);
   o.add("bodies_movable", r.moving.movable);
   if (r.sleeping) o.add("bodies_asleep", r.moving.asleep);
-  o.add("contacts", r.contacts);
+  if (made_steps(r)) o.add("contacts", r.contacts);
   o.add("touching_contacts", r.overlap.touching);
   o.add("penetration_mean", r.overlap.mean);
   o.add("penetration_max", r.overlap.max);
@@ -75,8 +75,7 @@ TALUS_INLINE std::string to_json(const summary& r) {
     o.add("balance_beyond_bound", balance_beyond_bound(r));
   }
   if (!soft(r)) {
-    o.add("residual", r.residual.value);
-    o.add("residual_max", r.residual.max);
+    if (made_steps(r)) o.add("residual", r.residual.value), o.add("residual_max", r.residual.max);
     o.add("residual_worst", r.solved.residual_worst);
     o.add("tolerance", r.solver.tolerance);
     o.add("residual_above_tolerance", above_tolerance(r));
@@ -119,9 +118,11 @@ TALUS_INLINE std::string to_json(const summary& r) {
     while (o.has(key)) key += '_';
     o.add(key, seconds);
   }
-  o.add("messages_per_step_max", r.messages_per_step_max);
-  o.add("bytes_per_step_max", r.bytes_per_step_max);
-  o.add("collectives_per_step", r.collectives_per_step);
+  if (made_steps(r)) {
+    o.add("messages_per_step_max", r.messages_per_step_max);
+    o.add("bytes_per_step_max", r.bytes_per_step_max);
+    o.add("collectives_per_step", r.collectives_per_step);
+  }
   o.add("bytes_per_body", r.bytes_per_body);
   if (r.balancing) {
     o.add("balance_moves", r.balance.moved);

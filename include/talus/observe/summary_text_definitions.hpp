@@ -21,7 +21,7 @@ TALUS_INLINE std::string error_text(const talus::summary& r) {
   if (soft(r)) {
     lines += compose("{}dt is {} of the step beyond which soft contacts gain energy\n", more,
                      text(longest_step(r) / r.critical_dt, 3));
-  } else {
+  } else if (made_steps(r)) {
     std::string worst;
     if (r.solved.residual_worst > r.residual.value)
       worst = compose(", by {} in the worst step measured", text(r.solved.residual_worst, 2));
@@ -92,11 +92,14 @@ TALUS_INLINE std::string monitors_text(const talus::summary& r) {
 
 TALUS_INLINE std::string ranks_text(const talus::summary& r) {
   if (r.ranks == 1) return {};
-  std::string lines = compose(
-      "  traffic  a rank sends at most {} and {} in a step; all ranks together make {} reductions "
-      "per step\n",
-      counted(r.messages_per_step_max, "message", "messages"),
-      counted(r.bytes_per_step_max, "byte", "bytes"), text(r.collectives_per_step, 6));
+  std::string lines;
+  if (made_steps(r))
+    lines = compose(
+        "  traffic  a rank sends at most {} and {} in a step; all ranks together make {} "
+        "reductions "
+        "per step\n",
+        counted(r.messages_per_step_max, "message", "messages"),
+        counted(r.bytes_per_step_max, "byte", "bytes"), text(r.collectives_per_step, 6));
   if (r.balancing)
     lines += compose(
         "  balance  cuts moved {}; largest share of a rank over the mean one before and after: "

@@ -41,10 +41,13 @@ TALUS_INLINE results time_shares(const talus::summary& r, std::string& small) {
 
 TALUS_INLINE std::string time_text(const talus::summary& r) {
   const double steps = steps_taken(r.steps, r.restarted_at);
-  std::string lines = compose(
-      "  time     {} s of wall time, {} ms per step; {} s of CPU time{}, {} ms per step\n",
-      text(r.wall_seconds, 3), text(1e3 * r.wall_seconds / steps, 3), text(r.cpu_seconds, 3),
-      r.ranks > 1 ? " of all ranks" : "", text(1e3 * r.cpu_seconds / steps, 3));
+  const auto per_step = [&](double seconds) {
+    return made_steps(r) ? compose(", {} ms per step", text(1e3 * seconds / steps, 3)) : "";
+  };
+  std::string lines =
+      compose("  time     {} s of wall time{}; {} s of CPU time{}{}\n", text(r.wall_seconds, 3),
+              per_step(r.wall_seconds), text(r.cpu_seconds, 3), r.ranks > 1 ? " of all ranks" : "",
+              per_step(r.cpu_seconds));
   if (const step_seconds& one = r.step_cpu; one.longest > 0)
     lines += compose(
         "           CPU time of a step{}: {} ms in the median, at most {} ms in 99 of 100, {} ms "
