@@ -7,7 +7,8 @@ it has one, a heading there; each file in back quotes exists, and contains the s
 places in it; each `./dev VERB` is a verb that ./dev knows, and each `./dev run NAME` an example.
 In comments of every header: each file exists, by its path or by its name alone; each `symbol`,
 function() and qualified::name occurs in the code of headers or examples, or in a CMakeLists.txt.
-No docstring there begins with "Of", "The same", "As" or "Likewise", which only its neighbours make clear.
+No docstring there begins with "Of", "The same", "As", "Likewise", "Its", "Those", "That", "Their", "But" or
+"It", which only its neighbours make clear.
   links.py ROOT [FILE.md | FILE.hpp ...]
 """
 import pathlib
@@ -125,7 +126,7 @@ if headers:
         own = words_of(code_of[header])
         lines = [""] + [line.strip() for line in header.read_text().split("\n")]
         for number, (before, line) in enumerate(zip(lines, lines[1:]), 1):
-            if re.match(r"/// ([Oo]f|The same|As|Likewise)\b", line) and not before.startswith("///"):
+            if re.match(r"/// ([Oo]f|The same|As|Likewise|Its|Those|That|Their|But|It)\b", line) and not before.startswith("///"):
                 where = f"{header.relative_to(root) if header.is_relative_to(root) else header}:{number}"
                 faults.append(f"{where}: the docstring cannot be read alone: {line[4:]}")
         for number, text in comments_of[header]:

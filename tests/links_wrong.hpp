@@ -9,9 +9,11 @@
 inline int twice(int x) { return 2 * x; }  ///< and no_such_value().
 inline const char* words() { return "// no_such_word()"; }
 
-// Two docstrings that cannot be read alone:
+// Three docstrings that cannot be read alone:
 /// Of three numbers.
 inline int thrice(int x) { return 3 * x; }
 /// The same of four, of which
 /// The same is good here.
 inline int four_times(int x) { return 4 * x; }
+/// Its half.
+inline int half(int x) { return x / 2; }

@@ -109,7 +109,7 @@ inline namespace a_belt_has_velocity {
 struct belt {
   vec3 velocity{0, 0, 0};  ///< length over time
 
-  /// Its velocity at any time.
+  /// The velocity of the surface at any time.
   [[nodiscard]] surface_velocity operator()(real) const { return {.velocity = velocity}; }
 };
 

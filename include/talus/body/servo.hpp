@@ -23,7 +23,7 @@ class number_in_time {
   [[nodiscard]] bool given() const { return given_; }
   /// Whether it is a function.
   [[nodiscard]] bool changes() const { return static_cast<bool>(function_); }
-  /// Its value at a time.
+  /// The value at a time, of the number or the function.
   [[nodiscard]] real operator()(real time) const { return function_ ? function_(time) : always_; }
 
  private:

@@ -7,7 +7,8 @@ namespace talus {
 
 inline namespace a_cylindrical_joint_has_at_axis_turn_limits_turn_motor_turn_spring_turn_friction_travel_limits_travel_motor_travel_spring_and_travel_friction {
 
-/// Its angle and its travel are 0 when the bodies are joined.
+/// A joint that lets bodies turn about an axis and slide along it. The angle and the travel are 0
+/// when the bodies are joined.
 struct cylindrical_joint final {
   using talus_part_of = roles::joints;
   static constexpr const char* name = "cylindrical_joint";

@@ -128,7 +128,7 @@ struct joint_rows {
       if (drives(lines[index(k)].use)) d[k] = r[k];
     return d;
   }
-  /// Their work, on both bodies.
+  /// The work of the drives on both bodies.
   [[nodiscard]] real driven_work(const state& s) const {
     return real(0.5) * driven().dot(before + velocities(s));
   }

@@ -99,7 +99,8 @@ struct solver_state_of {
   using number = Real;
 
   plain_vector<solver_body_of<Real>> bodies;
-  /// It moves positions and never enters the velocities. Empty without position correction.
+  /// The shift of each body, which moves positions and never enters the velocities. Empty without
+  /// position correction.
   plain_vector<body_shift_of<Real>> shift;
   plain_vector<body_turn> turn;  ///< likewise the rotation, of bodies from first_tensor
   plain_vector<mat3> tensors;    ///< inverse inertia, world frame, of bodies from first_tensor

@@ -47,7 +47,7 @@ class kept_pair {
       if (row_[k].key.feature != keys[k].feature) return false;
     return true;
   }
-  /// Those entries.
+  /// The entries of the row.
   [[nodiscard]] std::span<const stored_contact> row() const { return row_; }
   template <class F>
   void each(F&& f) const {

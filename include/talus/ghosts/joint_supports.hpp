@@ -29,7 +29,7 @@ class joint_supports {
 
   plain_vector<joint_support> all;  ///< sorted
 
-  /// Those of this rank, and of the other ranks of its islands.
+  /// Collects the supports of this rank and of the other ranks of its islands.
   template <class Lists>
   void gather(const Lists& lists) {
     each_contact_list(lists, [&](const auto& list) {

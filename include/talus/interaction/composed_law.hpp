@@ -68,7 +68,7 @@ concept stores_in_packs = in_packs<Law> && std::is_empty_v<typename Law::memory>
 
 // The declared properties of a part.
 
-/// Its force is along the normal, and its moment is zero.
+/// Whether the force of a part is along the normal, and its moment zero.
 template <class Part>
 inline constexpr bool is_central = requires {
   requires Part::central;
@@ -81,17 +81,17 @@ template <class Part>
 inline constexpr bool has_moment = !is_central<Part> && !requires {
   requires !Part::exerts_moment;
 };
-/// It acts beyond touch.
+/// Whether a part acts beyond touch.
 template <class Part>
 inline constexpr bool has_range = requires(const typename Part::parameters& p) {
   Part::range(p, real{});
 };
-/// Its parameters follow from two materials; otherwise the scenario sets them.
+/// Whether the parameters of a part follow from two materials; otherwise the scenario sets them.
 template <class Part>
 inline constexpr bool combines = requires(const material& m, const pair_material& p) {
   Part::combine(m, m, p);
 };
-/// It bounds the time step by each body.
+/// Whether a part bounds the time step by each body.
 template <class Part>
 inline constexpr bool bounds_bodies = requires(const material& m) {
   Part::longest_step_of_body(m, real{});

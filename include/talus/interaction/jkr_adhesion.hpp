@@ -123,7 +123,8 @@ struct jkr_adhesion final {
   [[nodiscard]] static real longest_step_of_body(const material& m, real radius) {
     return hertz_mindlin::longest_step_of_body(m, radius);
   }
-  /// That of hertz_mindlin, or half a period about the equilibrium without load, if that is less.
+  /// Returns the duration of an impact that hertz_mindlin has, or half a period about the
+  /// equilibrium without load, if that is less.
   [[nodiscard]] static real duration(const parameters& p, const head_on_impact& hit) {
     const real impact = hertz_mindlin::duration({p.modulus, p.tangential, p.damping}, hit);
     if (!(p.work_of_adhesion > 0)) return impact;

@@ -14,7 +14,7 @@ namespace talus::detail {
 
 /// The file of three.js: TALUS_THREE of the environment, or that of Debian's package libjs-three.
 [[nodiscard, gnu::cold]] std::string three_file();
-/// Its text. Throws runtime_error, with what to install, if there is none.
+/// The text of three_file(). Throws runtime_error, with what to install, if there is no such file.
 [[nodiscard, gnu::cold]] std::string read_three();
 
 /// Writes a page frame by frame, on rank 0. Frames go to the disk at once, into a temporary file

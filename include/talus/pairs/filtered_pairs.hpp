@@ -24,7 +24,7 @@ class pair_body {
 
   /// Number of the body, the same on all ranks.
   [[nodiscard]] system_id id() const { return store_.id[i_]; }
-  /// Its material.
+  /// Material of the body.
   [[nodiscard]] material_id material() const { return store_.material[i_]; }
   /// Form and size.
   [[nodiscard]] const shape_type& shape() const { return store_.shape[i_]; }

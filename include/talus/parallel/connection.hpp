@@ -8,7 +8,7 @@ namespace talus {
 /// The connection of a rank to a remote rank.
 struct connection {
   int rank = 0;           ///< The remote rank.
-  any_geometry geometry;  ///< Its region, as given on the local rank.
+  any_geometry geometry;  ///< The region of that rank, as given on the local rank.
   real overlap = 0;  ///< Widening of that region (a length) for the placement of shadow copies.
 
   /// A lower bound of the distance from a point to the widened region; negative well inside it.

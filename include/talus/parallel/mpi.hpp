@@ -81,7 +81,7 @@ struct mpi {
     void meet();
     /// From rank 0 upwards, so that all ranks have the same to the bit.
     static void combine(reduction how, std::span<double> values, std::span<const double> all);
-    /// But to itself: what comes from there is what was sent there, parcel by parcel.
+    /// Sends the messages to other ranks. finish() passes on what a rank sends to itself.
     void send_all(std::span<const neighbour_message> neighbour_messages);
     /// The next message of rank `from`, of any size.
     void receive(int from, byte_buffer& data);

@@ -20,7 +20,7 @@ class ring_cells {
  public:
   /// The half-plane where a sector starts.
   struct boundary {
-    half_space plane;  ///< Its normal points towards higher ranks.
+    half_space plane;  ///< The normal points towards higher ranks.
     real angle;        ///< From the first boundary, which has 0.
   };
 

@@ -169,7 +169,7 @@ void bind_bodies(pybind11::module_& module, Class& world_class) {
       "The bodies by their shape, as world.bodies['sphere'].positions.");
 }
 
-/// Its steps, from the beginning to the end.
+/// Binds the steps of a world, from the beginning to the end.
 template <class Session, class Class>
 void bind_course(Class& world_class) {
   namespace py = pybind11;

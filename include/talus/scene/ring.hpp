@@ -61,7 +61,7 @@ struct ring_of {
         if (detail::between(lower, s.position, upper)) f(s);
       }
   }
-  /// Its first n sites.
+  /// The first n sites of the lattice.
   [[nodiscard]] auto first(std::uint64_t n) const { return first_sites<ring_of>(*this, n); }
 
  private:

@@ -66,7 +66,7 @@ struct box {
     return {along(0), along(1), along(2)};
   }
 
-  /// Its faces and edges, for the general contact search.
+  /// The form of the shape, with its faces and edges, for the general contact search.
   [[nodiscard]] block_form form() const { return {half()}; }
 
   friend bool operator==(const box&, const box&) = default;

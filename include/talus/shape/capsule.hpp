@@ -65,7 +65,7 @@ struct capsule {
     const vec3 end = rotated(at.orientation, vec3(0, 0, length / 2));
     return {std::abs(end[0]) + radius, std::abs(end[1]) + radius, std::abs(end[2]) + radius};
   }
-  /// Its faces and edges, for the general contact search.
+  /// The form of the shape, with its faces and edges, for the general contact search.
   [[nodiscard]] segment_form form() const { return {length / 2, radius}; }
 
   friend bool operator==(const capsule&, const capsule&) = default;

@@ -44,7 +44,8 @@ struct smooth_form {
   real thickness = 0;  ///< half of the smallest, about
   real inner = 0;      ///< radius of a ball about the origin that is inside
   real sharpest = 0;   ///< smallest radius of curvature, about
-  /// Its surface, or null: the general search needs it for exact points where the shape is flat.
+  /// The surface of the shape, or null: the general search needs it for exact points where the
+  /// shape is flat.
   surface_level (*level)(const void*, const vec3& point) = nullptr;
   /// Points furthest along directions that are a thousandth apart are corners of a flat side if
   /// they are further apart than this; 0 for a shape that is round everywhere.

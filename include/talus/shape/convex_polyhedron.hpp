@@ -42,7 +42,7 @@ class convex_polyhedron {
   }
 
   [[nodiscard]] const polyhedron_mesh& mesh() const { return *mesh_; }
-  /// Its faces and edges, for the general contact search.
+  /// The form of the shape, with its faces and edges, for the general contact search.
   [[nodiscard]] mesh_form form() const { return {mesh_.get()}; }
   /// The frame of the body in the coordinates of the points.
   [[nodiscard]] const pose& frame() const { return mesh_->measured.frame; }

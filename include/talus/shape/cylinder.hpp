@@ -60,7 +60,7 @@ struct cylinder {
     };
     return {along(0, 1, 2), along(1, 2, 0), along(2, 0, 1)};
   }
-  /// Its faces and edges, for the general contact search.
+  /// The form of the shape, with its faces and edges, for the general contact search.
   [[nodiscard]] drum_form form() const { return {radius, length / 2}; }
 
   friend bool operator==(const cylinder&, const cylinder&) = default;

@@ -32,7 +32,7 @@ struct sphere {
     return detail::chord_of_ball(p, d, radius);
   }
   [[nodiscard]] vec3 half_extents(const pose&) const { return detail::thrice<real>(radius); }
-  /// Its faces and edges, for the general contact search.
+  /// The form of the shape, with its faces and edges, for the general contact search.
   [[nodiscard]] ball_form form() const { return {radius}; }
 
   friend bool operator==(const sphere&, const sphere&) = default;

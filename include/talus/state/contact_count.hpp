@@ -6,7 +6,7 @@
 
 namespace talus::detail {
 
-/// Those that count on this rank: each counts on exactly one rank.
+/// The contacts that count on this rank: each counts on exactly one rank.
 template <class Scenario>
 [[nodiscard]] std::uint64_t count_contacts(const world_state<Scenario>& s) {
   std::uint64_t contacts = 0;

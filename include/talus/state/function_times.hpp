@@ -76,7 +76,8 @@ template <class F>
 struct named_function {
   F f;
   std::size_t number;
-  /// It may change bodies or parameters after steps whose number is a multiple of this; 0: never.
+  /// The function may change bodies or parameters after steps whose number is a multiple of this;
+  /// 0: never.
   std::uint64_t acts_every = 1;
 };
 

@@ -101,7 +101,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     };
     make(i, j, margin(i), margin(j), &last);
   }
-  /// Those of `size` kept pairs that are within reach; see pairs/close_pairs.hpp.
+  /// Finds those of `size` kept pairs that are within reach; see pairs/close_pairs.hpp.
   [[nodiscard]] std::size_t find_close(close_pair* pairs, std::size_t size,
                                        std::uint32_t* close) const requires(packed || batched) {
     const auto* const places = waiting_.places->data();

@@ -83,7 +83,7 @@ struct kept_value {
   void (*set_real)(void*, double) = nullptr;
   void (*set_integer)(void*, std::uint64_t) = nullptr;
 
-  /// Its bytes in a file.
+  /// The bytes of the value in a file.
   [[nodiscard]] std::size_t stored_bytes() const {
     return means == kind::alike       ? bytes
            : means == kind::exact_sum ? (exact_sum::digits + 1) * sizeof(double)

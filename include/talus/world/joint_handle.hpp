@@ -21,7 +21,7 @@ struct joint_load {
   /// step; negative if it takes energy from them.
   double power = 0;
 };
-/// Those of an angle or a travel.
+/// The loads on an angle or a travel.
 struct joint_loads {
   joint_load motor, spring, friction;
 };

@@ -30,7 +30,7 @@ class stage_body {
 
   /// Number of the body, the same on all ranks.
   [[nodiscard]] system_id id() const { return store_.id[i_]; }
-  /// Its index in a list of all bodies known here, from 0 to stage_view::bodies() - 1.
+  /// The index of the body among all bodies known here, from 0 to stage_view::bodies() - 1.
   [[nodiscard]] std::size_t number() const { return number_; }
   /// Whether this rank owns it.
   [[nodiscard]] bool is_local() const { return !global_ && i_ < store_.locals; }

@@ -58,7 +58,7 @@ class body_view {
   [[nodiscard]] quat orientation() const { return store_->pose(i_).orientation; }
   /// Position and orientation.
   [[nodiscard]] talus::pose pose() const { return store_->pose(i_); }
-  /// Its material: see world.materials().
+  /// Material of the body: see world.materials().
   [[nodiscard]] material_id material() const { return store_->material[i_]; }
   /// Mass, also of a fixed body.
   [[nodiscard]] real mass() const requires(Shape::finite) {

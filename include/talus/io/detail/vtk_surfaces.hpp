@@ -40,7 +40,7 @@ class vtk_surfaces {
         .column("velocity", number_type::f64, 3);
   }
 
-  /// Those that this rank owns, and on rank 0 the global ones.
+  /// Adds the surfaces of the bodies that this rank owns, and on rank 0 of the global ones.
   void add_all(const population<Scenario>& s) {
     s.each_finite_shape([&](auto& b) {
       using shape = typename std::decay_t<decltype(b.movable)>::shape_type;

@@ -16,9 +16,10 @@ struct norm_exponent {
   real less_one = 1, over = real(0.5);
 
   [[nodiscard]] static norm_exponent of(real n) { return {n - 1, 1 - 1 / n}; }
-  /// That of the dual norm, n / (n - 1).
+  /// The exponent of the dual norm, n / (n - 1).
   [[nodiscard]] static norm_exponent dual(real n) { return {1 / (n - 1), 1 / n}; }
-  /// That of the largest Euclidean norm on the unit ball of the exponent n > 2, 2 n / (n - 2).
+  /// The exponent 2 n / (n - 2) of the largest Euclidean norm on the unit ball of the exponent
+  /// n > 2.
   [[nodiscard]] static norm_exponent reach(real n) {
     return {(n + 2) / (n - 2), (n + 2) / (2 * n)};
   }

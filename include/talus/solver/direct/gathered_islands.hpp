@@ -156,7 +156,7 @@ class gathered_islands {
     plain_vector<plain_pair<system_id, std::int32_t>> bodies;
     bool too_large = false;
   };
-  /// Their form in messages.
+  /// The form of bodies in messages.
   struct reported_body {
     system_id id;
     vec3 v, w;

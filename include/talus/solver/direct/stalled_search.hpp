@@ -197,7 +197,7 @@ class stalled_search {
       if (b != none && b != a) f(islands_[b], n);
     }
   }
-  /// Its number among the islands.
+  /// The number of the island of a body among the islands.
   [[nodiscard]] std::uint32_t cluster_at(std::int32_t body) {
     const std::uint32_t of = clusters_.of(body);
     return of == none ? none : cluster_number_[of];

@@ -95,7 +95,7 @@ class supported_loads : private articulated_rows {
     else if (s.slides && !(sliding(i) < s.friction * impulses_[3 * i] * (1 - slack)))
       hold(i);
   }
-  /// Its impulse stays as it is.
+  /// Keeps the impulse of a contact as it is.
   void hold(std::size_t i) {
     for (std::size_t k = 0; k < 3; ++k) lines_[3 * i + k].use = line_use::off;
   }
