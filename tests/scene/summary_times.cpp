@@ -126,6 +126,17 @@ TEST_CASE("the time of a function is without that of stages and of functions in 
   CHECK(seconds_of(r, "outer") >= 0);
 }
 
+TEST_CASE("the wait for the agreement on the end of a call is that for messages") {
+  const summary r = summary_of(2, [](auto& w) {
+    w.observe("uneven", every{1}, [](auto& world) {
+      if (world.rank() == 1) wait(0.004);
+    });
+  });
+  CHECK(r.seconds.exchange >= 0.06);
+  CHECK(seconds_of(r, "stop conditions") < 0.02);
+  CHECK(seconds_of(r, "other work of steps") < 0.04);
+}
+
 TEST_CASE("where ranks have different functions, their times have one name") {
   const summary r = summary_of(2, [](auto& w) {
     const std::string name = w.rank() == 0 ? "of the first" : "of the second";

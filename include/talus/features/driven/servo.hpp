@@ -18,6 +18,7 @@
 #include "talus/features/driven/plane_area.hpp"
 #include "talus/parallel/exact_reduction.hpp"
 #include "talus/state/kinematic_bodies.hpp"
+#include "talus/state/stage_clock.hpp"
 #include "talus/state/state.hpp"
 
 namespace talus::detail {
@@ -70,7 +71,10 @@ void agree_on_servos(world_state<Scenario>& s, F&& f) {
   for (auto& one : s.driving.all) {
     if (!one->is_servo) continue;
     servo_sums& mine = one->sums;
-    sum_exactly(*s.link, mine.force, mine.momentum, mine.shift, mine.mass);
+    {
+      const stage_clock clock(s.seconds.exchange);
+      sum_exactly(*s.link, mine.force, mine.momentum, mine.shift, mine.mass);
+    }
     const real most = one->holds.max_speed;
     driven_state& state = one->state;
     state.force = mine.force.value();

@@ -130,6 +130,7 @@ bool world<Scenario>::ends_now(const simulation& s) {
     agree_ = true;
   }
   if (std::exchange(agree_, false) && ranks() > 1) {
+    const detail::stage_clock clock(state_.seconds.exchange);
     double any = stop_asked_;
     state_.link->reduce(reduction::max, std::span(&any, 1));
     stop_asked_ = any != 0;
@@ -194,13 +195,12 @@ void world<Scenario>::simulate(const simulation& s) {
     if constexpr (keeps)
       if (hooks != nullptr) hooks->after_step(), clock.lap(number_of_checkpoints);
     call(observers_, clock);
-    const bool asks = agree_ || s.stop_when;
     if (ends_now(s)) {
       stopped_ = true;
       last_step_ = state_.steps;
       if constexpr (keeps) keeper_.course.stop();
     }
-    if (asks) clock.lap(state_.functions.number(detail::name_of_conditions));
+    if (s.stop_when) clock.lap(state_.functions.number(detail::name_of_conditions));
     call(writers_, clock);
     if constexpr (keeps)
       if (hooks != nullptr) {
