@@ -93,8 +93,12 @@ template <class Session, class Kind>
     j.angle = read([](const handle& h) { return h.angle(); });
   if constexpr (requires(const handle& h) { h.travel(); })
     j.travel = read([](const handle& h) { return h.travel(); });
-  constexpr bool turns = requires(handle & h, torque_motor m) { h.set_motor(m); };
-  constexpr bool pushes = requires(handle & h, force_motor m) { h.set_motor(m); };
+  constexpr bool turns = requires(typename Kind::anchors & x, torque_motor m) {
+    Kind::drive(x, m);
+  };
+  constexpr bool pushes = requires(typename Kind::anchors & x, force_motor m) {
+    Kind::drive(x, m);
+  };
   if constexpr (turns || pushes)
     j.set_motor = [s, key](const pybind11::kwargs& given) {
       const auto set = [&](const auto& motor) {

@@ -5,9 +5,27 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/refused_fields.hpp"
 #include "talus/state/joint_table.hpp"
 
 namespace talus {
+
+namespace detail {
+
+inline constexpr sentence motor_by_name =
+    "set_motor of a joint takes torque_motor{...} for an angle, or force_motor{...} for a travel, "
+    "with the fields velocity, largest_torque or largest_force, position, stiffness and damping, "
+    "in this order";
+template <sentence S>
+struct no_motor_by_name {
+  static_assert(
+      unrefused<S>,
+      "set_motor of a joint takes torque_motor{...} for an angle, or force_motor{...} for a "
+      "travel, with the fields velocity, largest_torque or largest_force, position, stiffness and "
+      "damping, in this order");
+};
+
+}  // namespace detail
 
 template <class Scenario>
 class world;
@@ -77,6 +95,9 @@ class joint_handle {
     Kind::drive(x, motor);
   }
   { world_->set_motor(*this, motor); }
+  /// Refuses a motor without its name, and other fields.
+  template <detail::sentence Fields = detail::motor_by_name>
+  detail::no_motor_by_name<Fields> set_motor(...) TALUS_REFUSED;
   /// Removes the joint. All ranks call it alike; throws runtime_error in an exclusive section.
   void release() { world_->release(*this); }
 
