@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -287,4 +288,38 @@ TEST_CASE("a lying cylinder has its two ends as contacts, however near corners o
       });
       CHECK(count == 2);
     }
+}
+
+TEST_CASE("a cylinder whose ends lie on edges of a closed surface has these two as contacts") {
+  std::vector<triangle> all;
+  vec3 v[8];
+  for (int k = 0; k < 8; ++k) v[k] = vec3(k & 1 ? 2 : -2, k & 2 ? 0.45 : -0.45, k & 4 ? 0 : -1);
+  for (const auto& [a, b, c, d] : {std::array{4, 5, 7, 6},
+                                   {0, 2, 3, 1},
+                                   {0, 1, 5, 4},
+                                   {2, 6, 7, 3},
+                                   {0, 4, 6, 2},
+                                   {1, 3, 7, 5}})
+    all.push_back({v[a], v[b], v[c]}), all.push_back({v[a], v[c], v[d]});
+  const triangle_mesh block(all);
+  const pose surface = placed(block);
+  const cylinder shape{0.3, 0.9};
+  for (const real x : {-0.123, -0.1, 0.0, 0.0321, 0.7})
+    for (const real gap : {-1e-9, -1e-15, 0.0, 1e-15, 1e-9})
+      for (const real lean : {0.0, 1e-12, 1e-10, 1e-8}) {
+        CAPTURE(x);
+        CAPTURE(gap);
+        CAPTURE(lean);
+        const pose at{
+            vec3(x, 0, shape.radius + gap),
+            rotation({1, 0, 0}, std::numbers::pi / 2 + lean) * rotation({0, 0, 1}, 3 * x)};
+        int count = 0;
+        collide_pair(shape, at, block, surface, 1e-6, [&](const contact_geometry& c) {
+          ++count;
+          CHECK((c.normal - vec3(0, 0, 1)).norm() < 1e-7);
+          CHECK(std::abs(c.point[0] - x) < 1e-12);
+          CHECK(std::abs(std::abs(c.point[1]) - 0.45) < 1e-6);
+        });
+        CHECK(count == 2);
+      }
 }

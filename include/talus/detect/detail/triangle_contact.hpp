@@ -107,6 +107,27 @@ void each_other_at(const triangle_tree& m, std::uint32_t t, const vec3& q, F&& f
   }
   return false;
 }
+/// Another triangle with this point of triangle t, on an edge or at a corner, that has the normal
+/// `direction` on one of its sides; none if there is none.
+[[nodiscard]] inline std::uint32_t level_beside(const triangle_tree& m, std::uint32_t t,
+                                                const triangle_point& q, const vec3& direction) {
+  const auto is_level = [&](std::uint32_t other) {
+    return m.normals[other].cross(direction).norm() <= level_enough;
+  };
+  if (q.edge >= 0) {
+    const std::uint32_t beyond = m.neighbours[t][static_cast<std::size_t>(q.edge)];
+    return beyond != triangle_tree::none && is_level(beyond) ? beyond : triangle_tree::none;
+  }
+  std::uint32_t found = triangle_tree::none;
+  if (q.corner < 0) return found;
+  const std::uint32_t vertex = m.triangles[t][static_cast<std::size_t>(q.corner)];
+  each_other_at(m, t, m.vertices[vertex], [&](std::uint32_t other, real) {
+    const auto& corners = m.triangles[other];
+    if (std::find(corners.begin(), corners.end(), vertex) != corners.end() && is_level(other))
+      found = std::min(found, other);
+  });
+  return found;
+}
 /// The distance of the point q from the nearest of those edges of triangle t over which the surface
 /// does not go on in the same plane.
 [[nodiscard]] inline real distance_to_bend(const triangle_tree& m, std::uint32_t t, const vec3& q) {

@@ -179,6 +179,16 @@ requires(detail::is_surface<A>&& concepts::convex_shape<B>) void collide_convex(
       if (std::abs(straight) > 1 - real(1e-8)) {
         if (!is_covered(q, up)) add_level(c, q, straight < 0 ? vec3(-m.normals[t]) : m.normals[t]);
       } else if (!inside && detail::nearest_of_surface(m, t, q, up)) {
+        if (const std::uint32_t face = detail::level_beside(m, t, q, up);
+            face != detail::triangle_tree::none) {
+          // That face has this contact too, at a more accurate place.
+          const vec3 side = m.normals[face].dot(up) < 0 ? vec3(-m.normals[face]) : m.normals[face];
+          const contact_geometry one{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)};
+          if (!level.add(one, rotated(pa.orientation, side),
+                         side.dot(m.corner(face, 0) - there.position), true))
+            sink(one);
+          continue;
+        }
         if (!felt.add(q.at)) continue;
         named[names++ % named.size()] = c.feature;
         sink(contact_geometry{c.normal, c.point, c.gap, detail::feature_of(t, c.feature)});
