@@ -32,6 +32,7 @@ struct contact_with_fixed {
   system_id id = no_id;
   bool round = false;                ///< the movable body is a sphere
   bool curved = false;               ///< see is_rounded
+  bool convex = false;               ///< see is_rounded_whole
   std::size_t shape = 0, index = 0;  ///< of the movable body in the scenario, and in its store
 };
 
@@ -41,6 +42,12 @@ template <class Shape>
 inline constexpr bool is_rounded = !has_flat_faces<Shape>;
 template <class... Parts>
 inline constexpr bool is_rounded<union_of<Parts...>> = (... && is_rounded<Parts>);
+/// The convex ones of these: the area in which one touches a plane extends from each of its ends
+/// towards the centre.
+template <class Shape>
+inline constexpr bool is_rounded_whole = is_rounded<Shape>;
+template <class... Parts>
+inline constexpr bool is_rounded_whole<union_of<Parts...>> = false;
 
 /// Calls f(store, index) for a body that may be flush.
 template <class Scenario, class F>
@@ -63,8 +70,13 @@ class flush_surface {
   /// The sine of an angle between two faces that counts as zero, and between a face and the normal
   /// of a curved body, which has a contact of its own with each face under it.
   static constexpr real level = 1e-3, level_of_curved = 1e-6;
+  /// The part of a unit normal within a face is longer than this where the normal is that of an
+  /// edge.
+  static constexpr real along_face = 1e-6;
   /// How far beyond a solid a face has to be in view, as a part of the radius of the other body.
   static constexpr real view_part = 0.01;
+  /// How far from a contact the body above it goes on, as a part of its radius.
+  static constexpr real onwards_part = 1e-4;
 
  public:
   flush_surface(state_type& s, const contact_with_fixed& c)
@@ -87,9 +99,11 @@ class flush_surface {
       if constexpr (state_type::filters)
         if (!touches(other)) return true;
       const real tolerance = tolerance_of(number, other);
+      bool meets = false;
       each_solid(other, point_, tolerance, [&](const auto& solid, const pose& at) {
         const vec3 p = at.to_body(point_), n = to_body(at, normal_);
         const beside how = stands_beside(solid, p, n, tolerance);
+        meets = meets || how != beside::apart;
         if (how == beside::covers)
           hidden = !half_space && stay_together(number, other) &&
                    !goes_on(number, solid, at, p, tolerance);
@@ -100,6 +114,8 @@ class flush_surface {
         }
         return !hidden;
       });
+      if (meets && !hidden && c_.convex && !c_.round && !half_space)
+        hidden = ends_over(number, other) && stay_together(number, other);
       return !hidden;
     });
     return hidden;
@@ -140,13 +156,7 @@ class flush_surface {
     const vec3 u = vec3::Unit(std::abs(normal_[0]) < real(0.6) ? 0 : 1).cross(normal_).normalized();
     const vec3 v = normal_.cross(u), p = point_;
     const auto lies_on = [&](std::uint32_t one, const vec3& q) {
-      const real tolerance = tolerance_of(number, one);
-      bool level = false;
-      each_solid(one, q, tolerance, [&](const auto& solid, const pose& at) {
-        level = is_level_with(solid, at.to_body(q), to_body(at, normal_), tolerance, 0);
-        return !level;
-      });
-      return level;
+      return is_face_at(one, q, normal_, tolerance_of(number, one));
     };
     bool inside = true;
     for (const vec3& way :
@@ -216,6 +226,30 @@ class flush_surface {
       }
     });
   }
+  /// Whether the point is on a face of the body with this normal.
+  [[nodiscard]] bool is_face_at(std::uint32_t number, const vec3& q, const vec3& n,
+                                real tolerance) const {
+    bool level = false;
+    each_solid(number, q, tolerance, [&](const auto& solid, const pose& at) {
+      level = is_level_with(solid, at.to_body(q), to_body(at, n), tolerance, 0);
+      return !level;
+    });
+    return level;
+  }
+  /// Whether the contact is on the edge of its body, and the movable body lies over the neighbour
+  /// alone there. The neighbour has this contact too, and a more accurate one: the search for the
+  /// nearest points of an edge and a curved body finds the gap to round-off, but the place only to
+  /// the square root of it.
+  [[nodiscard]] bool ends_over(std::uint32_t number, std::uint32_t neighbour) const {
+    const real tolerance = tolerance_of(number, neighbour);
+    const vec3 n = of_face(number), inwards = c_.centre - point_;
+    const vec3 along = inwards - inwards.dot(n) * n;
+    const real far = along.norm();
+    if (far <= 4 * tolerance) return false;
+    const real step = std::min(far, std::max(onwards_part * c_.radius, 4 * tolerance));
+    const vec3 q = point_ + (step / far) * along;
+    return is_face_at(neighbour, q, n, tolerance) && !is_face_at(number, q, n, tolerance);
+  }
   template <class Tree>
   [[nodiscard]] static vec3 up_at(const Tree& m, std::uint32_t t, const vec3& centre) {
     const bool over = m.normals[t].dot(centre - m.corner(t, 0)) >= 0;
@@ -260,7 +294,7 @@ class flush_surface {
   /// Searches for curved bodies give points beside it: the further, the more n leans over the edge.
   template <class Solid>
   [[nodiscard]] vec3 on_edge(const Solid& solid, vec3 q, const vec3& n) const {
-    constexpr real along = 1e-6;
+    constexpr real along = along_face;
     real near = real(2e-3) * c_.radius;
     vec3 first(0, 0, 0);  // the face that is most along n
     solid.each_face([&](const vec3& m, real offset) {
@@ -307,22 +341,46 @@ class flush_surface {
           return true;
         });
       } else if constexpr (is_triangulated<type>) {
-        const pose at = store.pose(i);
-        const vec3 q = at.to_body(p), reach(depth_, depth_, depth_), centre = at.to_body(c_.centre);
-        const auto& m = store.shape[i].tree();
-        real least = std::numeric_limits<real>::infinity();
-        m.each_within(q - reach, q + reach, [&](std::uint32_t t) {
-          const vec3 near =
-              nearest_on_triangle(q, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)).at;
-          if (const real square = (near - q).squaredNorm(); square < least) {
-            const flat_prism flat{
-                {m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)}, up_at(m, t, centre), 0};
-            least = square, p = at.to_world(on_edge(flat, near, to_body(at, c_.normal)));
-          }
-        });
+        p = on_triangles(store.shape[i].tree(), store.pose(i), p);
       }
     });
     return p;
+  }
+  /// The point p on a surface of triangles, at the edge with the normal of the contact: of the
+  /// triangles in the plane of the nearest one, that which goes furthest along the normal counts,
+  /// because others may end there on an edge within the plane.
+  template <class Tree>
+  [[nodiscard]] vec3 on_triangles(const Tree& m, const pose& at, const vec3& p) const {
+    const vec3 q = at.to_body(p), reach(depth_, depth_, depth_), centre = at.to_body(c_.centre),
+               n = to_body(at, c_.normal);
+    real least = std::numeric_limits<real>::infinity();
+    std::uint32_t nearest = 0;
+    const auto near = [&](std::uint32_t t) {
+      return nearest_on_triangle(q, m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)).at;
+    };
+    m.each_within(q - reach, q + reach, [&](std::uint32_t t) {
+      if (const real far = (near(t) - q).norm(); far < least) least = far, nearest = t;
+    });
+    if (least == std::numeric_limits<real>::infinity()) return p;
+    const auto edge_of = [&](std::uint32_t t) {
+      const flat_prism flat{
+          {m.corner(t, 0), m.corner(t, 1), m.corner(t, 2)}, up_at(m, t, centre), 0};
+      return on_edge(flat, near(t), n);
+    };
+    vec3 best = edge_of(nearest);
+    const vec3& up = m.normals[nearest];
+    const vec3 left = n - n.dot(up) * up;
+    const real further = real(1e-10) * c_.radius * left.norm();
+    if (left.norm() <= along_face) return at.to_world(best);
+    m.each_within(q - reach, q + reach, [&](std::uint32_t t) {
+      const vec3 apart = m.corner(t, 0) - m.corner(nearest, 0);
+      if (t == nearest || m.normals[t].cross(up).norm() > along_face ||
+          std::abs(up.dot(apart)) > along_face * m.bounding_radius ||
+          (near(t) - q).norm() > least + onwards_part * c_.radius)
+        return;
+      if (const vec3 one = edge_of(t); left.dot(one - best) > further) best = one;
+    });
+    return at.to_world(best);
   }
   /// The normal of the face of the body from which that of the contact differs as little as beside
   /// an edge within round-off.
@@ -550,6 +608,7 @@ void with_flush_surface(world_state<Scenario>& s, const StoreF& fixed, std::size
                              other.id[l],
                              Other::isotropic,
                              is_rounded<Other>,
+                             is_rounded_whole<Other>,
                              index_of<typename Scenario::shapes, Other>,
                              l};
   flush_surface<Scenario> surface(s, c);
