@@ -131,7 +131,7 @@ TEST_CASE("contacts that are solved by colours are kept with the bits of contact
   compare<double, reproducible>({.restitution = 0.8}, {0, 0, 0});
 }
 
-TEST_CASE("one rank of any transport keeps contacts and has the bits of a serial run") {
+TEST_CASE("while contacts are kept, one rank of any transport has the bits of a serial run") {
   serial::link link;
   falling<heap<double>> alone(link, {});
   threads::launch({.ranks = 1}, [&](threads::link& one) {
