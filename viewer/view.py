@@ -20,6 +20,7 @@ import csv  # noqa: E402
 import fcntl  # noqa: E402
 import glob  # noqa: E402
 import pathlib  # noqa: E402
+import re  # noqa: E402
 import stat  # noqa: E402
 
 sys.dont_write_bytecode = True
@@ -81,10 +82,25 @@ def add_table(head, table):
         head["values"].update(table[head["step"]])
 
 
+def is_locked(path):
+    """Whether a run holds the lock of a file."""
+    try:
+        with os.fdopen(os.open(path + ".lock", os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW), "rb") as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        pass
+    return False
+
+
 def require_replaceable(path, force):
     """Stops unless the file is absent, empty or a page of talus. With --force it may be another file or a symbolic link,
-    but never a folder, a device, a pipe or a socket, a link that leads to one of these, or the name of a stream: as
-    talus::detail::inspect_target of programs."""
+    but never a folder, a device, a pipe or a socket, a link that leads to one of these, the name of a stream, or what a run
+    writes: as talus::detail::inspect_target of programs."""
+    series = re.fullmatch(r"(.*)_[0-9]+(\.[^./]*)", path, re.DOTALL)
+    if is_locked(path) or series and is_locked("".join(series.groups()) + ".series"):
+        sys.exit(f"view: {path} is being written by a run: wait for its end or stop it, or name another file with --html")
     place = os.path.join(os.path.realpath(os.path.dirname(path) or "."), os.path.basename(path))
     if place in ("/dev/stdin", "/dev/stdout", "/dev/stderr") or place.startswith(("/dev/fd/", "/proc/")):
         sys.exit(f"view: {path} is a stream of this program, which a page must not replace: name a file")

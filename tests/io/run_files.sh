@@ -2,7 +2,7 @@
 # The files of runs of a real program where they cannot be written, have odd names, are shared by two
 # runs, or are those of a killed run; and signals in the first moments.
 #   run_files.sh PROGRAM FOLDER WHAT [MPIRUN...]
-# PROGRAM is the example drop, or hopper, which writes --output; MPIRUN... starts it on two ranks.
+# PROGRAM is the example drop, or hopper, which writes --output, or powder, which writes --frames too; MPIRUN... starts it on two ranks.
 set -euo pipefail
 program=$1 folder=$2/$3 what=$3
 shift 3
@@ -264,6 +264,30 @@ early() {
   nothing_left
 }
 
+# A signal ends a run that waits for the writer of its configuration.
+waiting() {
+  local signal pid code n
+  mkfifo pipe
+  for signal in TERM INT HUP; do
+    python3 -c 'import os, signal, sys
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+os.execv(sys.argv[1], sys.argv[1:])' "$program" --quiet --steps 5 --checkpoint c.h5 --config pipe >out 2>&1 &
+    pid=$!
+    sleep 1
+    kill -0 $pid || { cat out; fail "a run waits for no writer"; }
+    kill -$signal $pid
+    for ((n = 0; n < 500; ++n)); do
+      kill -0 $pid 2>/dev/null || break
+      sleep 0.01
+    done
+    ! kill -0 $pid 2>/dev/null || fail "SIG$signal does not end a run that waits"
+    code=0
+    wait $pid || code=$?
+    [[ $code == $((128 + $(kill -l $signal))) ]] || { cat out; fail "exit code $code after SIG$signal"; }
+  done
+  nothing_left
+}
+
 # A run that is killed just before a file gets its name, by a library between the program and the system,
 # leaves the unfinished file.
 leave_rest() {
@@ -331,6 +355,73 @@ END
   expect 0 -- "$program" --quiet --steps 5 --json mine.json
   [[ -f mine.json.lock && ! -s mine.json.lock && -d mine.json.part-folder && -L mine.json.part-linked &&
     $(cat mine.json.part-backup) == mine ]] || fail "a file of the user is gone"
+}
+
+# While a run writes a series, no other run replaces its files and its configuration, also with --force; and no
+# run begins a series one of whose files another run writes.
+forced() {
+  local pid n option file
+  "$program" --quiet --steps 1000000000 --output x --output-every 10 --frames pictures --every 10 >out1 2>&1 &
+  pid=$!
+  wait_for x_0000000010.hdf
+  wait_for pictures/frame_00001.pov
+  for option in --json --csv --log --view --output --checkpoint; do
+    [[ $option != --view || -e ${TALUS_THREE:-/usr/share/javascript/three/three.min.js} ]] || continue
+    for file in x_0000000010.hdf ./x_contacts_0000000010.hdf x_9999999999.hdf pictures/frame_00001.pov; do
+      [[ $option != --output ]] || continue
+      expect 1 "$file belongs to the series " "which is being written by another run (process $pid on " -- \
+        "$program" --quiet --steps 5 $option $file --force
+    done
+    file=x.config.toml
+    [[ $option != --output ]] || file=x  # with a configuration of that name
+    expect 1 "is being written by another run (process $pid on " -- "$program" --quiet --steps 5 $option $file --force
+  done
+  expect 1 "the configuration beside --json ./x.config.toml is being written by another run (process $pid on " -- \
+    "$program" --quiet --steps 5 --json ./x --force
+  kill -0 $pid || { cat out1; fail "the first run has ended"; }
+  cmp -n 8 x_0000000010.hdf x_contacts_0000000010.hdf || fail "a file of the series is replaced"
+  kill -TERM $pid
+  wait $pid || true
+  nothing_left
+  expect 0 -- "$program" --quiet --steps 5 --csv x_0000000010.hdf --force
+  rm x*
+  "$program" --quiet --steps 1000000000 --csv x_0000000010.hdf >out1 2>&1 &
+  pid=$!
+  wait_for x_0000000010.hdf
+  expect 1 "x_0000000010.hdf is being written by another run (process $pid on " -- \
+    "$program" --quiet --steps 20 --output x --output-every 10 --force
+  kill -TERM $pid
+  wait $pid || true
+  nothing_left
+}
+
+# Of two runs that begin at the same time one has the lock, and removes it at its end.
+raced() {
+  cat >raced.c <<'END'
+#define _GNU_SOURCE
+#include <sys/syscall.h>
+#include <unistd.h>
+int flock(int f, int how) {
+  static int before;
+  for (int n = 0; before++ == 0 && access("go", F_OK) != 0 && n < 2000; ++n, before = 0) usleep(10000);
+  return (int)syscall(SYS_flock, f, how);
+}
+END
+  cc -shared -fPIC -o raced.so raced.c 2>out || { echo "no run waits before its lock: $(cat out)"; return 0; }
+  LD_PRELOAD=$PWD/raced.so "$program" --quiet --steps 1000000000 --json r.json >out1 2>&1 &
+  local first=$! second code=0
+  sleep 0.5
+  "$program" --quiet --steps 1000000000 --json r.json >out2 2>&1 &
+  second=$!
+  wait_for r.json.lock
+  sleep 0.5
+  : >go
+  wait $first || code=$?
+  [[ $code == 1 ]] || { cat out1; fail "exit code $code of the first run"; }
+  grep -qF "r.json is being written by another run (process $second on " out1 || { cat out1; fail "nobody says who writes"; }
+  kill -TERM $second
+  wait $second || true
+  nothing_left
 }
 
 # A signal that ends a run leaves no lock. mpirun may give processes no time when another one is killed: then the

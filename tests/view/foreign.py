@@ -2,6 +2,7 @@
 """Outputs that somebody has sent, damaged or made to harm: the package talus, ./dev view and its server refuse them in words.
 
   foreign.py     ends with 77 without h5py"""
+import fcntl
 import json
 import os
 import pathlib
@@ -187,6 +188,16 @@ class Foreign(unittest.TestCase):
         self.assertIn("to_pipe is a device, a pipe or a socket", self.view("--html", self.folder / "to_pipe", "--force", code=1).stderr)
         self.assertIn("to_folder is a folder", self.view("--html", self.folder / "to_folder", "--force", code=1).stderr)
         self.assertTrue((self.folder / "to_pipe").is_symlink() and (self.folder / "to_folder").is_symlink())
+
+    def test_what_a_run_writes_stays(self):
+        write_output(self.folder)
+        for lock, page in (("page.html.lock", "page.html"), ("page.hdf.series.lock", "page_0000000012.hdf"), ("frame.pov.series.lock", "frame_00001.pov")):
+            (self.folder / page).write_text("of a run")
+            with open(self.folder / lock, "w") as held:
+                fcntl.flock(held, fcntl.LOCK_EX)
+                self.assertIn(f"{page} is being written by a run", self.view("--html", self.folder / page, "--force", code=1).stderr)
+            self.assertEqual((self.folder / page).read_text(), "of a run")
+            self.view("--html", self.folder / page, "--force", code=0)  # the run has ended
 
     def test_sizes_are_those_of_the_file(self):
         huge = lambda g, n: g.create_dataset(n, (1 << 50, 3), "f8", chunks=(1024, 3))

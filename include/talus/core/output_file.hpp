@@ -51,7 +51,7 @@ struct output_target {
                                                        const output_kind& kind, bool force);
 /// Checks the path of an output. With `force` it may replace other regular files and symbolic
 /// links, but never folders, devices, pipes, sockets, links that lead to one of these, and the
-/// program's own streams.
+/// program's own streams, and never what another run writes.
 [[nodiscard, gnu::cold]] output_target inspect_target(const std::string& path,
                                                       const output_kind& kind, bool force);
 
@@ -113,6 +113,9 @@ class part_file {
   [[nodiscard, gnu::cold]] bool rename_to(const std::string& path);
   /// Renames it to `path` and returns the open file. Returns -1, with errno, on failure.
   [[nodiscard, gnu::cold]] int rename_and_keep(const std::string& path);
+  /// Names it `path` and returns the open file. Returns -1, with errno, on failure, and with EEXIST
+  /// if something has that name: unlike renaming, this replaces nothing.
+  [[nodiscard, gnu::cold]] int link_and_keep(const std::string& path);
 
  private:
   std::string name_;

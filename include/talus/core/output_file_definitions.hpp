@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "talus/core/linkage.hpp"
+#include "talus/core/lock_holder.hpp"
 #include "talus/core/output_file.hpp"
 
 namespace talus::detail {
@@ -65,6 +66,8 @@ TALUS_INLINE output_target inspect_target(const std::string& path, const output_
     return {.objection =
                 "is a stream of this program, which this output must not replace: name a "
                 "file"};
+  if (std::string words = objection_of_other_run(path); !words.empty())
+    return {.objection = std::move(words)};
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0) return {};  // absent, or opening it will fail
   if (S_ISREG(found.st_mode)) return inspect_regular(path, kind, force);
@@ -157,6 +160,14 @@ TALUS_INLINE int part_file::rename_and_keep(const std::string& path) {
   named_ =
       named_ || ::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, name_.c_str(), AT_SYMLINK_FOLLOW) == 0;
   if (!named_ || ::rename(name_.c_str(), path.c_str()) != 0) return -1;
+  return std::exchange(id_, -1);
+}
+
+TALUS_INLINE int part_file::link_and_keep(const std::string& path) {
+  const std::string own = named_ ? name_ : compose("/proc/self/fd/{}", id_);
+  if (::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, path.c_str(), named_ ? 0 : AT_SYMLINK_FOLLOW) != 0)
+    return -1;
+  if (std::exchange(named_, false)) ::unlink(name_.c_str());
   return std::exchange(id_, -1);
 }
 

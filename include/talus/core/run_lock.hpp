@@ -12,37 +12,14 @@
 #include <cerrno>
 #include <csignal>
 #include <cstddef>
-#include <cstdint>
-#include <cstdlib>
-#include <ctime>
 #include <string>
 #include <string_view>
 
 #include "talus/core/error.hpp"
+#include "talus/core/lock_holder.hpp"
 #include "talus/core/output_file.hpp"
 
 namespace talus::detail {
-
-/// The holder of a lock, as recorded in the file.
-struct lock_holder {
-  static constexpr std::string_view mark = "talus run lock\n";
-
-  std::string host, pid, since;
-  std::string started;  ///< of the process, in ticks since boot; distinguishes a reused pid
-
-  [[nodiscard, gnu::cold]] static lock_holder this_process();
-  [[nodiscard, gnu::cold]] static lock_holder from_text(const std::string& text);
-  [[nodiscard, gnu::cold]] std::string text() const;
-  [[nodiscard, gnu::cold]] std::string words() const;
-  /// Whether it is a process of this machine that still runs.
-  [[nodiscard, gnu::cold]] bool lives_here() const;
-
- private:
-  /// The value of the line that begins with `key`.
-  [[nodiscard, gnu::cold]] static std::string line(const std::string& text, const char* key);
-  /// The 22nd field of /proc/PID/stat; the second may hold blanks and ends with the last ')'.
-  [[nodiscard, gnu::cold]] static std::string start_of(const std::string& pid);
-};
 
 /// Such a lock during its lifetime. The rank of a run that renames the files holds it.
 class run_lock {
@@ -66,11 +43,14 @@ class run_lock {
 
  private:
   [[gnu::cold]] void take(const std::string& file);
-  [[gnu::cold]] void open();
+  /// Opens the file of the lock, or makes it.
+  [[gnu::cold]] void open(const std::string& file);
+  /// Makes it, with its text, and locked: no other run sees an empty one. Returns false, with
+  /// errno, if it is there or cannot be made.
+  [[nodiscard, gnu::cold]] bool make(const std::string& file);
   void close();
   void remove_file() const;
   [[nodiscard, gnu::cold]] bool is_named() const;
-  [[nodiscard, gnu::cold]] std::string text() const;
   [[noreturn, gnu::cold]] void refuse();
 
   /// The locks of this process, as far as there is room; those beyond go with the next run. A lock

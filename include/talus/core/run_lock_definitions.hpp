@@ -5,60 +5,6 @@
 
 namespace talus::detail {
 
-TALUS_INLINE lock_holder lock_holder::this_process() {
-  char host[256] = "";
-  ::gethostname(host, sizeof host - 1);
-  char when[64] = "";
-  const std::time_t now = std::time(nullptr);
-  struct tm date {};
-  if (::localtime_r(&now, &date) != nullptr)
-    std::strftime(when, sizeof when, "%Y-%m-%d %H:%M:%S", &date);
-  const std::string pid = std::to_string(::getpid());
-  return {host, pid, when, start_of(pid)};
-}
-
-TALUS_INLINE lock_holder lock_holder::from_text(const std::string& text) {
-  return {line(text, "host "), line(text, "process "), line(text, "since "),
-          line(text, "started ")};
-}
-
-TALUS_INLINE std::string lock_holder::text() const {
-  return std::string(mark) + "host " + host + "\nprocess " + pid + "\nsince " + since +
-         "\nstarted " + started + "\n";
-}
-
-TALUS_INLINE std::string lock_holder::words() const {
-  if (pid.empty()) return "another process";
-  return compose("process {} on {}, since {}", pid, host, since);
-}
-
-TALUS_INLINE bool lock_holder::lives_here() const {
-  const auto number = static_cast<pid_t>(std::strtol(pid.c_str(), nullptr, 10));
-  if (number <= 0 || host != this_process().host) return false;
-  if (::kill(number, 0) != 0 && errno != EPERM) return false;
-  return start_of(pid) == started;
-}
-
-TALUS_INLINE std::string lock_holder::line(const std::string& text, const char* key) {
-  const auto at = text.find('\n' + std::string(key));
-  if (at == text.npos) return {};
-  const auto begin = at + 1 + std::string_view(key).size();
-  return text.substr(begin, text.find('\n', begin) - begin);
-}
-
-TALUS_INLINE std::string lock_holder::start_of(const std::string& pid) {
-  const int id = ::open(("/proc/" + pid + "/stat").c_str(), O_RDONLY | O_CLOEXEC);
-  if (id < 0) return {};
-  std::string text(1024, '\0');
-  const ssize_t length = ::read(id, text.data(), text.size());
-  ::close(id);
-  text.resize(length > 0 ? static_cast<std::size_t>(length) : 0);
-  std::size_t at = text.rfind(')');
-  for (int field = 2; field < 22 && at != text.npos; ++field) at = text.find(' ', at + 1);
-  if (at == text.npos) return {};
-  return text.substr(at + 1, text.find(' ', at + 1) - at - 1);
-}
-
 TALUS_INLINE run_lock::run_lock(const std::string& file, const std::string& output)
     : name_(file + ".lock") {
   try {
@@ -88,25 +34,28 @@ TALUS_INLINE void run_lock::leave_all() {
 
 TALUS_INLINE void run_lock::take(const std::string& file) {
   for (int attempt = 0; attempt < 100; ++attempt) {
-    open();
+    open(file);
     const bool locked = ::flock(id_, LOCK_EX | LOCK_NB) == 0;
     const int error = errno;
-    if (!locked && error == EWOULDBLOCK) refuse();
-    if (!locked && error != EINTR && lock_holder::from_text(text()).lives_here()) refuse();
+    const bool lives = !locked && lock_holder::from_text(text_of_lock(id_)).lives_here();
+    if (!locked && error != EINTR && (lives || (error == EWOULDBLOCK && attempt >= 5))) refuse();
     // (Without locks of the file system, only the text counts; that of another machine is
     // ignored: a run that was killed there would block all others.)
-    if (error == EINTR && !locked) {
+    if (!locked && (error == EINTR || error == EWOULDBLOCK)) {  // others may look at it
       close();
+      if (error == EWOULDBLOCK) ::usleep(10000);
       continue;
     }
     if (!is_named()) {  // its holder has meanwhile removed it
       close();
       continue;
     }
-    // (A full disk has no room for the text; the lock holds without it. The new text replaces that
-    // of a killed run in place: an empty file would count as a file of somebody else from then on.)
-    const std::string mine = lock_holder::this_process().text();
-    if (owns_file_ && write_text(id_, mine)) (void)::ftruncate(id_, std::ssize(mine));
+    // The new text replaces that of a killed run in place: an empty file would count as a file of
+    // somebody else from then on.
+    const std::string before = text_of_lock(id_), mine = lock_holder::this_process().text();
+    owns_file_ = owns_file_ || before.starts_with(lock_holder::mark);
+    if (owns_file_ && before != mine && ::lseek(id_, 0, SEEK_SET) == 0 && write_text(id_, mine))
+      (void)::ftruncate(id_, std::ssize(mine));
     locked_ = locked;
     remove_left_over(file);
     return;
@@ -141,24 +90,45 @@ TALUS_INLINE bool run_lock::is_of(const std::string& file) const {
          theirs.st_dev == mine.st_dev && theirs.st_ino == mine.st_ino;
 }
 
-TALUS_INLINE void run_lock::open() {
-  struct stat found {};
-  constexpr int how = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
-  id_ = ::open(name_.c_str(), how | O_EXCL, 0666);
-  owns_file_ = id_ >= 0;
-  if (id_ < 0 && errno == EEXIST) id_ = ::open(name_.c_str(), how, 0666);
+TALUS_INLINE void run_lock::open(const std::string& file) {
+  for (int attempt = 0; id_ < 0 && attempt < 100; ++attempt) {
+    id_ = ::open(name_.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    owns_file_ = id_ < 0 && errno == ENOENT && make(file);
+    if (id_ < 0 && errno != EEXIST && errno != ENOENT) break;
+  }
   if (id_ < 0)
     fail<std::runtime_error>(
         "cannot be written: {}: {}; name a file in a folder that exists, is writable and has "
         "room",
         name_, system_words());
+  struct stat found {};
   const bool regular = ::fstat(id_, &found) == 0 && S_ISREG(found.st_mode);
-  owns_file_ = owns_file_ || (regular && text().starts_with(lock_holder::mark));
-  if (owns_file_ || (regular && found.st_size == 0)) return;
+  if (owns_file_ ||
+      (regular && (found.st_size == 0 || text_of_lock(id_).starts_with(lock_holder::mark))))
+    return;
   close();
   fail<std::runtime_error>(
       "needs {} for its lock, and something else is there: move that away, or name another file",
       name_);
+}
+
+TALUS_INLINE bool run_lock::make(const std::string& file) {
+  const std::string mine = lock_holder::this_process().text();
+  // (A full disk has no room for the text; the lock holds without it.)
+  const auto write = [&](int id) {
+    if (!write_text(id, mine)) (void)::ftruncate(id, 0);
+    (void)::flock(id, LOCK_EX | LOCK_NB);
+  };
+  part_file part(file);
+  if (part.good()) {
+    write(part.id());
+    id_ = part.link_and_keep(name_);
+    if (id_ >= 0 || errno == EEXIST || errno == ENOENT) return id_ >= 0;
+  }
+  // The file system cannot give a file a second name.
+  id_ = ::open(name_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (id_ >= 0) write(id_);
+  return id_ >= 0;
 }
 
 TALUS_INLINE void run_lock::close() {
@@ -173,23 +143,10 @@ TALUS_INLINE bool run_lock::is_named() const {
          named.st_dev == mine.st_dev && named.st_ino == mine.st_ino;
 }
 
-TALUS_INLINE std::string run_lock::text() const {
-  std::string all(1024, '\0');
-  const ssize_t length = ::pread(id_, all.data(), all.size(), 0);
-  all.resize(length > 0 ? static_cast<std::size_t>(length) : 0);
-  return all;
-}
-
 TALUS_INLINE void run_lock::refuse() {
-  std::string who = text();
-  for (int wait = 0; wait < 20 && who.empty(); ++wait) {  // the lock was just taken
-    ::usleep(10000);
-    who = text();
-  }
+  const std::string who = text_of_lock(id_);
   close();
-  fail<std::runtime_error>(
-      "is being written by another run ({}): wait for its end or stop it, or name another file",
-      lock_holder::from_text(who).words());
+  throw std::runtime_error(words_of_other_run(lock_holder::from_text(who)));
 }
 
 TALUS_INLINE locks_end_with_signals::locks_end_with_signals() {

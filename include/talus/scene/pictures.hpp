@@ -61,7 +61,7 @@ void take_pictures(world<Scenario>& w, const options& options, picture look = {}
   detail::make_folder(options.frames);
   std::shared_ptr<detail::run_lock> lock;
   if (w.rank() == 0) {
-    lock = std::make_shared<detail::run_lock>(options.frames + "/frames",
+    lock = std::make_shared<detail::run_lock>(options.frames + "/frame.pov.series",
                                               "--frames " + options.frames);
     lock->remove_left_over(options.frames + "/frame_", ".pov");
     const std::size_t before = detail::inspect_series("the picture", options.frames + "/frame_",

@@ -1,9 +1,11 @@
 #pragma once
 // The effective configuration of a run, beside each of its outputs: docs/runs.md.
 #include <array>
+#include <list>
 #include <span>
 #include <string>
 
+#include "talus/core/run_lock.hpp"
 #include "talus/scene/options.hpp"
 #include "talus/world/world.hpp"
 
@@ -12,8 +14,8 @@ namespace talus::detail {
 /// The files OUTPUT.config.toml of a run, written by rank 0.
 class run_configuration {
  public:
-  /// Throws runtime_error if a file cannot be written, or is not one that talus wrote. The options
-  /// must outlive this.
+  /// Locks them. Throws runtime_error if a file cannot be written, is not one that talus wrote, or
+  /// belongs to another run. The options must outlive this.
   [[gnu::cold]] void prepare(const options& o, const std::string& program);
   /// Writes them, once, if they are prepared. Throws runtime_error.
   [[gnu::cold]] void write();
@@ -23,6 +25,7 @@ class run_configuration {
   template <class F>
   void each_file(F&& f) const;
 
+  std::list<run_lock> locks_;         ///< to the end of the run: other runs do not replace them
   const options* options_ = nullptr;  ///< null: there is nothing to write
   std::string text_;
 };

@@ -1,12 +1,12 @@
 #pragma once
 // The definitions of run_configuration.hpp, in the compiled part or in each program.
+#include <algorithm>
 #include <cstdint>
 #include <iterator>
 #include <string>
 #include <string_view>
 
 #include "talus/core/linkage.hpp"
-#include "talus/core/run_lock.hpp"
 #include "talus/scene/run_configuration.hpp"
 #include "talus/scene/run_outputs.hpp"
 
@@ -35,13 +35,15 @@ TALUS_INLINE void run_configuration::prepare(const options& o, const std::string
   each_file([&](const char* name, const std::string& path) {
     (void)inspect_output((std::string("the configuration beside ") + name).c_str(), path,
                          configuration_output, o.force);
+    const auto locked = [&](const run_lock& lock) { return lock.is_of(path); };
+    if (std::none_of(locks_.begin(), locks_.end(), locked))  // --json X and --output X share one
+      locks_.emplace_back(path, compose("the configuration {} (beside {})", path, name));
   });
 }
 
 TALUS_INLINE void run_configuration::write() {
   if (options_ == nullptr) return;
   each_file([&](const char* name, const std::string& path) {
-    const run_lock lock(path, compose("the configuration {} (beside {})", path, name));
     try {
       write_output(path, text_, configuration_output, options_->force);
     } catch (const std::exception& e) {

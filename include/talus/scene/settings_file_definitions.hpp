@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -15,6 +16,7 @@
 
 #include "talus/core/error.hpp"
 #include "talus/core/linkage.hpp"
+#include "talus/io/run_signals.hpp"
 #include "talus/parallel/launcher.hpp"
 #include "talus/scene/settings_file.hpp"
 
@@ -31,6 +33,12 @@ inline constexpr std::size_t longest_settings_file = std::size_t{16} << 20;
 inline constexpr int seconds_for_writer = 60;
 /// Dots in a key: each may be a table within another, and toml++ calls itself for each.
 inline constexpr std::size_t most_dots = 100;
+
+/// Ends the process as that signal would: nothing is open yet.
+[[gnu::cold]] inline void end_by(int signal) {
+  (void)std::signal(signal, SIG_DFL);
+  (void)::raise(signal);
+}
 
 [[nodiscard, gnu::cold]] inline std::string text_of_settings(const std::string& file) {
   const auto refuse = [&](const std::string& why) {
@@ -51,6 +59,7 @@ inline constexpr std::size_t most_dots = 100;
   for (int waited = 0;;) {
     pollfd writer{id, POLLIN, 0};  // of a pipe: it may come later
     const int ready = ::poll(&writer, 1, 1000);
+    if (const int signal = heard_signals().end; signal != 0) end_by(signal);
     if (ready < 0 && errno == EINTR) continue;
     const auto bytes = ::read(id, part, sizeof part);
     if (bytes < 0 && (errno == EINTR || errno == EAGAIN)) continue;  // a writer is there

@@ -64,10 +64,12 @@ struct written_file {
   std::vector<written_file> all;
   const std::string path = place_of(file.value), &option = file.option;
   if (option == "--restart") return all;
-  if (option != "--checkpoint" && option != "--log")
+  if (option != "--checkpoint" && option != "--log") {
     all.push_back({"the configuration beside", path + ".config.toml"});
+    all.push_back({"the lock of the configuration beside", path + ".config.toml.lock"});
+  }
   if (option == "--frames") {
-    all.push_back({"the lock of", place_of(file.value + "/frames.lock")});
+    all.push_back({"the lock of", place_of(file.value + "/frame.pov.series.lock")});
     all.push_back({"a picture of", place_of(file.value + "/frame_"), ".pov"});
   } else if (option == "--output") {
     for (const char* const end : ends_of_output) {
