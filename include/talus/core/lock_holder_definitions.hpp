@@ -107,9 +107,10 @@ TALUS_INLINE std::string words_of_other_run(const lock_holder& holder) {
   if (id < 0) return {};
   const std::string text = text_of_lock(id);
   const lock_holder holder = lock_holder::from_text(text);
-  const bool held =
-      text.starts_with(lock_holder::mark) && !holder.is_this_process() &&
-      (holder.lives_here() || (::flock(id, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK));
+  // (A process that was killed may still be listed while it holds no lock any more.)
+  const bool held = text.starts_with(lock_holder::mark) && !holder.is_this_process() &&
+                    ::flock(id, LOCK_SH | LOCK_NB) != 0 &&
+                    (errno == EWOULDBLOCK || holder.lives_here());
   ::close(id);
   return held ? words_of_other_run(holder) : "";
 }
