@@ -18,11 +18,11 @@ using namespace talus;
 
 namespace {
 
-template <class Solver, class Precision, class... Features>
-using solved_heap = scenario<bodies<sphere, plane>, solver<Solver>, transport<serial>,
-                             precision<Precision>, features<checkpoints, Features...>>;
-template <class Precision, class... Features>
-using heap = solved_heap<nonlinear_gauss_seidel, Precision, Features...>;
+template <class Solver, class Precision, class Integrator, class... Features>
+using solved_heap =
+    scenario<bodies<sphere, plane>, solver<Solver>, transport<serial>, integrator<Integrator>,
+             precision<Precision>, features<checkpoints, Features...>>;
+using heap = solved_heap<nonlinear_gauss_seidel, double, semi_implicit_euler>;
 /// As most programs name them: a solver on request, and ranks that the start of the program
 /// decides.
 using launched = scenario<bodies<sphere, plane>, solver<nonlinear_gauss_seidel, reproducible>,
@@ -84,11 +84,13 @@ struct falling {
   }
 };
 
-template <class Precision, class Solver = nonlinear_gauss_seidel>
+template <class Precision, class Solver = nonlinear_gauss_seidel,
+          class Integrator = semi_implicit_euler>
 void compare(const pair_of_materials& pair, const vec3& gravity = {0, 0, -9.81}) {
   serial::link link;
-  falling<solved_heap<Solver, Precision>> kept(link, pair, gravity);
-  falling<solved_heap<Solver, Precision, penetration_monitor>> anew(link, pair, gravity);
+  falling<solved_heap<Solver, Precision, Integrator>> kept(link, pair, gravity);
+  falling<solved_heap<Solver, Precision, Integrator, penetration_monitor>> anew(link, pair,
+                                                                                gravity);
   for (int step = 0; step < 640; ++step) {
     if (gravity != vec3(0, 0, 0)) kept.change(step), anew.change(step);
     kept.step(), anew.step();
@@ -99,11 +101,11 @@ void compare(const pair_of_materials& pair, const vec3& gravity = {0, 0, -9.81})
   CHECK(kept.kept > (gravity == vec3(0, 0, 0) ? 0 : 100));  // otherwise nothing was tested
 }
 
-template <class Solver>
+template <class Solver, class Integrator = semi_implicit_euler>
 void check_restart() {
   const std::string file = "/tmp/talus_kept_contacts_" + std::to_string(getpid()) + ".h5";
   serial::link link;
-  falling<solved_heap<Solver, double>> whole(link, {}), rest(link, {});
+  falling<solved_heap<Solver, double, Integrator>> whole(link, {}), rest(link, {});
   for (int step = 0; step < 450; ++step) whole.step();
   write_checkpoint(whole.w, file);
   const int before = whole.kept;
@@ -131,9 +133,20 @@ TEST_CASE("contacts that are solved by colours are kept with the bits of contact
   compare<double, reproducible>({.restitution = 0.8}, {0, 0, 0});
 }
 
+TEST_CASE("with the midpoint contacts are kept with the bits of contacts made anew") {
+  compare<double, nonlinear_gauss_seidel, moreau_midpoint>({});
+  compare<double, nonlinear_gauss_seidel, moreau_midpoint>({.dynamic_friction = 0.2});
+  compare<mixed_precision, nonlinear_gauss_seidel, moreau_midpoint>(
+      {.restitution = 0.3, .dynamic_friction = 0.3});
+  compare<double, reproducible, moreau_midpoint>({.restitution = 0.3});
+  compare<double, reproducible, moreau_midpoint>({.restitution = 0.8}, {0, 0, 0});
+  check_restart<nonlinear_gauss_seidel, moreau_midpoint>();
+  check_restart<reproducible, moreau_midpoint>();
+}
+
 TEST_CASE("while contacts are kept, one rank of any transport has the bits of a serial run") {
   serial::link link;
-  falling<heap<double>> alone(link, {});
+  falling<heap> alone(link, {});
   threads::launch({.ranks = 1}, [&](threads::link& one) {
     falling<launched> same(one, {});
     for (int step = 0; step < 640; ++step) {

@@ -138,7 +138,7 @@ struct isotropic_impact {
 /// isotropic_blocks::renew().
 struct renewed_contacts {
   using wide = wide_pack<real>;
-  pack_vector<wide> normal;
+  pack_vector<wide> normal, bias;  ///< the bias counts where contacts have one
   wide arm_a, arm_b, target_velocity, correction_rate, friction;
   wide restitution, limit, slowest;
   bool rebounds = false;  ///< whether these three are set
@@ -205,7 +205,11 @@ class isotropic_blocks {
         const auto put = [&](wide& all, const renewed_contacts::wide& of_part) {
           put_part(all, first, of_part, count);
         };
-        put(normal.x, next.normal.x), put(normal.y, next.normal.y), put(normal.z, next.normal.z);
+        const auto put_vector = [&](auto& all, const auto& of_part) {
+          put(all.x, of_part.x), put(all.y, of_part.y), put(all.z, of_part.z);
+        };
+        put_vector(normal, next.normal);
+        if constexpr (Contact::biased) put_vector(x.bias, next.bias);
         put(arm_a, next.arm_a), put(arm_b, next.arm_b);
         put(x.target_velocity, next.target_velocity), put(c.rate, next.correction_rate);
         if (next.rebounds) {
@@ -429,6 +433,7 @@ class isotropic_blocks {
   static void renew_single(Contact& c, const renewed_contacts& next, std::size_t l) {
     const auto of_lane = [l](const auto& part) { return static_cast<number>(part[l]); };
     c.renew(in_scalar<number>(lane(next.normal, l)), of_lane(next.arm_a), of_lane(next.arm_b));
+    if constexpr (Contact::biased) c.bias = lane(next.bias, l);
     c.target_velocity = of_lane(next.target_velocity);
     c.correction_rate = of_lane(next.correction_rate), c.correction_impulse = 0;
     if constexpr (may_rebound<Contact>) {

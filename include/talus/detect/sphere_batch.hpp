@@ -109,6 +109,41 @@ class sphere_batch {
         });
   }
 
+  /// The contacts of these pairs a time before, if the spheres had their present velocities.
+  struct earlier_contacts {
+    pack_vector<wide> normal, velocity;
+    wide gap;
+  };
+  [[nodiscard]] [[gnu::always_inline]] inline earlier_contacts before(real dt) const {
+    const auto place_a = rows(a_, &moving_sphere::position);
+    const auto place_b = rows(b_, &moving_sphere::position);
+    const auto motion_a = rows(a_, &moving_sphere::velocity);
+    const auto motion_b = rows(b_, &moving_sphere::velocity);
+    const auto spin_a = rows(a_, &moving_sphere::spin);
+    const auto spin_b = rows(b_, &moving_sphere::spin);
+    const wide back = every_lane<wide>(dt);
+    const sphere_geometry<wide> x(vectors_in(place_a) - back * vectors_in(motion_a), motion_a.w,
+                                  vectors_in(place_b) - back * vectors_in(motion_b), motion_b.w);
+    auto u = vectors_in(motion_a) + crossed(vectors_in(spin_a), x.lever_a);
+    u -= vectors_in(motion_b) + crossed(vectors_in(spin_b), x.lever_b);
+    return {x.normal, u, x.gap};
+  }
+  /// The speed of the centres against each other, and those of both surfaces about them.
+  [[nodiscard]] [[gnu::always_inline]] inline wide speed() const {
+    const auto motion_a = rows(a_, &moving_sphere::velocity);
+    const auto motion_b = rows(b_, &moving_sphere::velocity);
+    const auto spin_a = vectors_in(rows(a_, &moving_sphere::spin));
+    const auto spin_b = vectors_in(rows(b_, &moving_sphere::spin));
+    const auto v = vectors_in(motion_a) - vectors_in(motion_b);
+    return motion_a.w * square_root(dot(spin_a, spin_a)) +
+           motion_b.w * square_root(dot(spin_b, spin_b)) + square_root(dot(v, v));
+  }
+  [[nodiscard]] const wide& margin() const { return margin_; }
+  [[nodiscard]] const wide& slack() const { return slack_; }
+  [[nodiscard]] [[gnu::always_inline]] inline wide smaller_radius() const {
+    return smaller(rows(a_, &moving_sphere::velocity).w, rows(b_, &moving_sphere::velocity).w);
+  }
+
   pack_vector<wide> normal;    ///< from b to a
   pack_vector<wide> velocity;  ///< of a against b at the contact
   wide gap;
@@ -117,18 +152,19 @@ class sphere_batch {
   unsigned apart = 0;  ///< the lanes whose surfaces do not touch yet: they may pass each other
 
  private:
+  [[nodiscard]] [[gnu::always_inline]] static inline pack_rows<wide> rows(
+      const std::array<const moving_sphere*, capacity>& of, vec3 moving_sphere::*part) {
+    return gather<wide>([&](int k) __attribute__((always_inline)) {
+      const moving_sphere& x = *of[static_cast<std::size_t>(k)];
+      return row_of(x, x.*part);
+    });
+  }
   /// `find_margins` may set the margins and slacks; the mask that it returns excludes pairs.
   template <class FindMargins>
   [[nodiscard]] [[gnu::always_inline]] inline unsigned collide(unsigned count, real gravity,
                                                                real dt,
                                                                FindMargins&& find_margins) {
     for (unsigned k = count; k < capacity; ++k) a_[k] = a_[0], b_[k] = b_[0];
-    const auto rows = [](const auto& of, auto part) {
-      return gather<wide>([&](int k) {
-        const moving_sphere& x = *of[static_cast<std::size_t>(k)];
-        return row_of(x, x.*part);
-      });
-    };
     const auto place_a = rows(a_, &moving_sphere::position);
     const auto place_b = rows(b_, &moving_sphere::position);
     const auto motion_a = rows(a_, &moving_sphere::velocity);

@@ -108,6 +108,19 @@ template <class Law, bool Divided, class Fall>
   return c;
 }
 
+/// With the midpoint, impacts reflect velocities that have half of the acceleration `fall` of the
+/// step: with e = 1 they keep the energy to round-off, in any order. Half of the motion is still to
+/// come. Returns that half of the velocity.
+inline real reflect_in_the_middle(contact_conditions& c, real fall, real dt) {
+  if (c.limit < 0) {
+    if (c.target_velocity == c.limit) c.target_velocity *= 2;
+    c.limit *= 2, c.slowest = std::min(c.slowest, c.limit);
+  }
+  const real half = real(0.5) * fall * dt;
+  c.target_velocity += half, c.limit += half, c.slowest += half;
+  return half;
+}
+
 /// Without loads, surfaces that part have a gap, however small, when an impact elsewhere drives
 /// them together: their limit is negative. (Under loads the last strikes would leave overlaps.)
 inline void let_part(contact_conditions& c, real un) {

@@ -48,9 +48,9 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   static constexpr bool strikes =
       law::restitution && law::correction && !uses_substeps<typename Scenario::solver>;
   /// Contacts of spheres are computed several at a time, where only their motion counts.
-  static constexpr bool packed =
-      paired && std::is_same_v<ShapeA, sphere> && std::is_same_v<ShapeB, sphere> && !imaged &&
-      !state_type::continuous && !state_type::midpoint && !is_cohesive<law>;
+  static constexpr bool packed = paired && std::is_same_v<ShapeA, sphere> &&
+                                 std::is_same_v<ShapeB, sphere> && !imaged &&
+                                 !state_type::continuous && !is_cohesive<law>;
   template <class A, class B>
   static auto kind() {
     if constexpr (paired)
@@ -120,6 +120,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     waiting_.conditions =
         conditions_of_gap<law, wide>(waiting_.batch.gap, held_gap<law, wide>(waiting_.pull, s_.dt),
                                      s_.dt, s_.settings.correction);
+    if constexpr (state_type::midpoint)
+      waiting_.bias = biases_of<law::friction>(waiting_.batch, waiting_.pull, s_.dt);
     for (unsigned k = 0; k < count; ++k) {
       pair_at_hand& x = waiting_.pairs[k];
       if (met >> k & 1u) add_lane(x, k);
@@ -177,6 +179,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     std::array<pair_at_hand, sphere_batch::capacity> pairs;
     unsigned count = 0;
     wide pull;
+    pack_vector<wide> bias;  ///< with the midpoint
     gap_conditions<wide> conditions;
     bool known = false;
     material_id material_a{}, material_b{};
@@ -347,13 +350,9 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       motion_.add_flight_after(want.target_velocity, i, j, g.normal);
       if (want.target_velocity != rebound) want.restitution = 0;  // one at its impact
     }
-    if constexpr (state_type::midpoint) {
-      if (want.target_velocity != 0) c.bias = {0, 0, 0};
-      if constexpr (strikes)
-        if (want.restitution > 0) reflect_in_the_middle(c, want, g, motion_.fall(i, j, g.normal));
-    }
-    set_conditions(c, want);
     s_.solver.impacts = s_.solver.impacts || rebound > 0;
+    if constexpr (state_type::midpoint) end_bias(x, c, want, g.normal);
+    set_conditions(c, want);
     const contact_key key{a_.id[i], b_.id[j], g.feature};
     if constexpr (is_cohesive<law>)
       if (!x.foreign && g.gap <= std::max(x.slack, pulled * s_.dt * s_.dt))
@@ -377,17 +376,13 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     want.target_velocity = want.limit = passing_velocity(gap, un, pull, s_.dt);
     want.slowest = slowest_impact(want.limit, want.restitution, pull, s_.dt);
   }
-  /// Impacts reflect velocities that have half of the acceleration `fall` of the step: with e = 1
-  /// they keep the energy to round-off, in any order. Half of the motion is still to come.
-  void reflect_in_the_middle(contact_type& c, contact_conditions& want, const contact_geometry& g,
-                             real fall) const {
-    if (want.limit < 0) {
-      if (want.target_velocity == want.limit) want.target_velocity *= 2;
-      want.limit *= 2, want.slowest = std::min(want.slowest, want.limit);
-    }
-    const real half = real(0.5) * fall * s_.dt;
-    c.bias -= half * g.normal;
-    want.target_velocity += half, want.limit += half, want.slowest += half;
+  /// What moves at the end of the step has no bias, but half of the fall.
+  void end_bias(const pair_at_hand& x, contact_type& c, contact_conditions& want,
+                const vec3& normal) const {
+    if (want.target_velocity != 0) c.bias = {0, 0, 0};
+    if constexpr (strikes)
+      if (want.restitution > 0)
+        c.bias -= reflect_in_the_middle(want, motion_.fall(x.i, x.j, normal), s_.dt) * normal;
   }
   static void set_conditions(contact_type& c, const contact_conditions& want) {
     c.target_velocity = static_cast<decltype(c.target_velocity)>(want.target_velocity);
@@ -427,27 +422,34 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
     const pair_material& between = materials_of(x);
     const real pull = waiting_.pull[k];
-    const bool fast =
-        between.restitution > 0 && (of.approach[k] < -2 * pull * s_.dt || s_.solver.finishes);
-    const bool passing = (of.apart >> k & 1u) && passes(x, normal, gap, of.approach[k], pull);
+    vec3 u = lane(of.velocity, k);
+    real un = of.approach[k];
+    const bool passing = (of.apart >> k & 1u) && passes(x, normal, gap, un, pull);
+    if constexpr (state_type::midpoint) {
+      c.bias = lane(waiting_.bias, k);
+      u += normal.dot(c.bias) * normal;  // the rest may be an impact
+      un = normal.dot(u);
+    }
+    const bool fast = between.restitution > 0 && (un < -2 * pull * s_.dt || s_.solver.finishes);
+    contact_conditions want;
     if (fast || passing || between.dynamic_friction < between.friction) [[unlikely]] {
-      auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
-          between, normal, lane(of.velocity, k), gap, s_.dt, pull,
-          [&] { return motion_.fall(x.i, x.j, normal); }, creep(x.radius, s_.dt),
-          s_.settings.correction);
-      if (strikes && s_.solver.finishes) let_part(want, of.approach[k]);
-      if (passing) let_pass(want, gap, of.approach[k], pull);
-      set_conditions(c, want);
+      want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
+          between, normal, u, gap, s_.dt, pull, [&] { return motion_.fall(x.i, x.j, normal); },
+          creep(x.radius, s_.dt), s_.settings.correction);
+      if (strikes && s_.solver.finishes) let_part(want, un);
+      if (passing) let_pass(want, gap, un, pull);
       s_.solver.impacts = s_.solver.impacts || want.target_velocity > 0;
     } else {
       const real limit = waiting_.conditions.target_velocity[k];
-      set_conditions(c, {.target_velocity = limit,
-                         .correction_rate = waiting_.conditions.correction_rate[k],
-                         .friction = between.friction,
-                         .restitution = strikes ? between.restitution : 0,
-                         .limit = limit,
-                         .slowest = slowest_impact(limit, between.restitution, pull, s_.dt)});
+      want = {.target_velocity = limit,
+              .correction_rate = waiting_.conditions.correction_rate[k],
+              .friction = between.friction,
+              .restitution = strikes ? between.restitution : 0,
+              .limit = limit,
+              .slowest = slowest_impact(limit, between.restitution, pull, s_.dt)};
     }
+    if constexpr (state_type::midpoint) end_bias(x, c, want, normal);
+    set_conditions(c, want);
     add_to_list(x, c, {(*waiting_.places)[x.i].id, (*waiting_.places)[x.j].id, 0});
   }
   [[nodiscard]] const pair_material& materials_of(const pair_at_hand& x) requires(packed) {
@@ -475,12 +477,11 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       before -= v_b + w_b.cross(last->point - position_b);
     else if constexpr (driven)
       before -= v_b + w_b.cross(last->point - (0.5 * last->gap) * last->normal - position_b);
-    vec3 bias = midpoint_bias(g.normal, u, last->normal, before);
+    vec3 bias = midpoint_bias<real>(g.normal, u, last->normal, before);
     if constexpr (!law::friction) bias = g.normal.dot(bias) * g.normal;
     return bias;
   }
-  /// Whether the accelerations that a bias compensates are below 1e-4 of the acceleration of the
-  /// bodies.
+  /// Whether a bias would compensate too little to matter.
   [[nodiscard]] bool turns_slowly(const pair_at_hand& x, real pulled) const {
     vec3 v = a_.velocity[x.i];
     real speed = x.radius * a_.angular_velocity[x.i].norm(), radius = x.radius;
@@ -493,7 +494,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       if (driven_at<ShapeB>(s_, x.j) != nullptr) return false;
     }
     speed += v.norm();
-    return speed * speed < real(1e-4) * pulled * radius;
+    return speed * speed < slow_turn<real>(pulled, radius);
   }
   /// Finds the contact points in the middle of the last step.
   void find_earlier(const pair_at_hand& x) {

@@ -8,6 +8,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <tuple>
 #include <type_traits>
 
@@ -21,6 +22,7 @@
 #include "talus/state/state.hpp"
 #include "talus/step/contact_conditions.hpp"
 #include "talus/step/pair_motion.hpp"
+#include "talus/step/velocity_bias.hpp"
 
 namespace talus::detail {
 
@@ -45,10 +47,9 @@ template <class Scenario, class ShapeA, class ShapeB, partner Partner>
     constexpr bool single = []<class... Shapes>(type_list<Shapes...>) {
       return ((Shapes::finite && Shapes::isotropic) + ... + 0) == 1;
     }(typename Scenario::shapes{});
-    return single && !state::periodic && !state::continuous && !state::midpoint &&
-           !state::has_joints && !state::sleeps && !state::drives &&
-           !is_cohesive<typename state::law> && !monitored<Scenario, penetration_monitor> &&
-           requires(list_of_spheres<Scenario> & list) {
+    return single && !state::periodic && !state::continuous && !state::has_joints &&
+           !state::sleeps && !state::drives && !is_cohesive<typename state::law> &&
+           !monitored<Scenario, penetration_monitor> && requires(list_of_spheres<Scenario> & list) {
       list.renewed();
     };
   } else {
@@ -86,6 +87,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   using contact_type = contact_of_spheres<Scenario>;
   using wide = wide_pack<real>;
   static constexpr unsigned lanes = sphere_batch::capacity;
+  static constexpr bool midpoint = state_type::midpoint;
 
  public:
   explicit contact_keeper(state_type& s)
@@ -100,7 +102,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
                        kept_.materials == s_.materials.revision() && list_.held() &&
                        s_.history.unchanged();
     const bool moved_before = note_places();
-    if (kept_.rebounds || kept_.slides) note_motion();
+    if (kept_.rebounds || kept_.slides || !turns_slowly_) note_motion();
     if (known && moved_before && still_apart() && renew(true)) return (void)(kept_.failures = 0);
     if (Coloured && known && ++kept_.failures > 1) kept_.pause = std::min(kept_.failures, 8);
     kept_.search = s_.found.searches, kept_.materials = s_.materials.revision();
@@ -123,8 +125,13 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     bool same = kept_.moves.size() == a_.size();
     kept_.moves.resize(a_.size()), places.resize(a_.size());
     margin_ = 0;
+    real smallest = std::numeric_limits<real>::infinity(), fastest = 0;
     for (std::size_t i = 0; i < a_.size(); ++i) {
       const real radius = a_.shape[i].radius;
+      if constexpr (midpoint) {
+        smallest = std::min(smallest, radius);
+        fastest = std::max(fastest, a_.velocity[i].norm() + radius * a_.angular_velocity[i].norm());
+      }
       places[i] = {a_.position[i], radius};
       margin_ = std::max(margin_, reach[i] - radius);
       const char moves = a_.moves(i);
@@ -132,6 +139,10 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       kept_.moves[i] = moves;
     }
     places_ = places.data();
+    // Twice the fastest is a bound for each pair.
+    turns_slowly_ = !midpoint || (!store_a::forced &&
+                                  4 * fastest * fastest <
+                                      (1 - 1e-9) * slow_turn<real>(motion_.gravity(), smallest));
     return same;
   }
   [[nodiscard]] moving_sphere motion_of(std::size_t i) const {
@@ -156,11 +167,13 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     return batch_.collide_in_reach(count, motion_.gravity(), s_.dt, contact_slack);
   }
   /// Pairs of the batch that pass each other in this step though their gap closes.
-  [[gnu::noinline]] void let_pass(const wide& pull, renewed_contacts& next) const {
+  [[gnu::noinline]] void let_pass(const wide& pull, const pack_vector<wide>& u,
+                                  renewed_contacts& next) const {
+    const wide un = dot(batch_.normal, u);
     for (unsigned left = batch_.apart; left != 0; left &= left - 1) {
       const auto k = static_cast<unsigned>(std::countr_zero(left));
       if (!passes(k, pull[k])) continue;
-      const real limit = passing_velocity(batch_.gap[k], batch_.approach[k], pull[k], s_.dt);
+      const real limit = passing_velocity(batch_.gap[k], un[k], pull[k], s_.dt);
       next.target_velocity[k] = limit;
       if (!next.rebounds) continue;
       next.limit[k] = limit;
@@ -274,18 +287,22 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   [[nodiscard]] bool renew(bool kept) {
     return list_.renew(
         kept, presses(s_),
-        [this](const std::int32_t* a, const std::int32_t* b, int count, renewed_contacts& next)
-            __attribute__((always_inline)) {
-              const auto size = static_cast<unsigned>(count);
-              if (!kept_.rebounds && !kept_.slides && renew_resting(a, b, size, next)) return true;
-              for (unsigned k = 0; k < size; ++k) set_lane(k, sphere_of(a[k]), sphere_of(b[k]));
-              if (collide(size) != (1u << size) - 1) return false;
-              next.normal = batch_.normal, next.arm_a = batch_.arm_a, next.arm_b = batch_.arm_b;
-              const wide pull = set_gap_conditions(a, b, size, batch_.gap, next);
-              if (kept_.rebounds || kept_.slides) set_conditions(a, b, size, pull, next);
-              if (batch_.apart != 0) let_pass(pull, next);
-              return true;
-            });
+        [this](const std::int32_t* a, const std::int32_t* b, int count,
+               renewed_contacts& next) __attribute__((always_inline)) {
+          const auto size = static_cast<unsigned>(count);
+          if (!kept_.rebounds && !kept_.slides && turns_slowly_ && renew_resting(a, b, size, next))
+            return true;
+          for (unsigned k = 0; k < size; ++k) set_lane(k, sphere_of(a[k]), sphere_of(b[k]));
+          if (collide(size) != (1u << size) - 1) return false;
+          next.normal = batch_.normal, next.arm_a = batch_.arm_a, next.arm_b = batch_.arm_b;
+          const wide pull = set_gap_conditions(a, b, size, batch_.gap, next);
+          if constexpr (midpoint) next.bias = biases_of<law::friction>(batch_, pull, s_.dt);
+          const auto u = biased_velocity(next);
+          if (kept_.rebounds || kept_.slides) set_conditions(a, b, size, pull, u, next);
+          if (batch_.apart != 0) let_pass(pull, u, next);
+          if constexpr (midpoint) end_biases(size, next);
+          return true;
+        });
   }
   /// Sets the data of contacts whose gaps are so small that velocities do not matter. Returns false
   /// if one gap is larger.
@@ -299,6 +316,7 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
     const wide slack = slack_of(every_lane<wide>(contact_slack), at_a.w, at_b.w);
     if (!all_lanes(x.gap <= every_lane<wide>(touching_part * (1 - 1e-6)) * slack)) return false;
     next.normal = x.normal, next.arm_a = x.arm_a, next.arm_b = x.arm_b;
+    if constexpr (midpoint) next.bias = no_bias();
     (void)set_gap_conditions(a, b, count, x.gap, next);
     return true;
   }
@@ -317,14 +335,15 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   }
   /// Conditions that depend on the velocities.
   void set_conditions(const std::int32_t* a, const std::int32_t* b, unsigned count,
-                      const wide& pull, renewed_contacts& next) {
+                      const wide& pull, const pack_vector<wide>& u, renewed_contacts& next) {
+    const wide un = dot(batch_.normal, u);
     next.slides = kept_.slides;
     next.rebounds = kept_.rebounds;
     for (unsigned k = 0; k < count; ++k) {
       const std::size_t i = sphere_of(a[k]), j = sphere_of(b[k]);
       const pair_material& between = materials_of(i, j);
-      const bool fast = between.restitution > 0 &&
-                        (batch_.approach[k] < -2 * pull[k] * s_.dt || s_.solver.finishes);
+      const bool fast =
+          between.restitution > 0 && (un[k] < -2 * pull[k] * s_.dt || s_.solver.finishes);
       next.friction[k] = between.friction;
       next.restitution[k] = strikes ? between.restitution : 0;
       next.limit[k] = next.target_velocity[k];
@@ -332,11 +351,11 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       if (!fast && !(between.dynamic_friction < between.friction)) continue;
       const vec3 normal = lane(batch_.normal, k);
       auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
-          between, normal, lane(batch_.velocity, k), batch_.gap[k], s_.dt, pull[k],
+          between, normal, lane(u, k), batch_.gap[k], s_.dt, pull[k],
           [&] { return motion_.fall(i, j, normal); }, creep(a_.shape[i].radius, s_.dt),
           s_.settings.correction);
       if constexpr (strikes) {
-        if (s_.solver.finishes) let_part(want, batch_.approach[k]);
+        if (s_.solver.finishes) let_part(want, un[k]);
         next.limit[k] = want.limit;
       }
       const bool strikes_now =
@@ -346,6 +365,33 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
       next.correction_rate[k] = want.correction_rate;
       next.friction[k] = want.friction;
     }
+  }
+  [[nodiscard]] static pack_vector<wide> no_bias() {
+    return {every_lane<wide>(0), every_lane<wide>(0), every_lane<wide>(0)};
+  }
+  /// The relative velocities, of which the normal part of a bias is no impact.
+  [[nodiscard]] [[gnu::always_inline]] inline pack_vector<wide> biased_velocity(
+      const renewed_contacts& next) const {
+    if constexpr (!midpoint) return (void)next, batch_.velocity;
+    return batch_.velocity + dot(batch_.normal, next.bias) * batch_.normal;
+  }
+  /// See contact_maker::end_bias().
+  void end_biases(unsigned count, renewed_contacts& next) const {
+    const wide zero = every_lane<wide>(0);
+    next.bias = choose(next.target_velocity == zero, next.bias, no_bias());
+    if constexpr (strikes)
+      for (unsigned k = 0; next.rebounds && k < count; ++k) {
+        if (!(next.restitution[k] > 0)) continue;
+        contact_conditions want{.target_velocity = next.target_velocity[k],
+                                .limit = next.limit[k],
+                                .slowest = next.slowest[k]};
+        const vec3 normal = lane(batch_.normal, k);
+        const real half = reflect_in_the_middle(
+            want, motion_.fall(lanes_[k].first, lanes_[k].second, normal), s_.dt);
+        put_lane(next.bias, k, lane(next.bias, k) - half * normal);
+        next.target_velocity[k] = want.target_velocity;
+        next.limit[k] = want.limit, next.slowest[k] = want.slowest;
+      }
   }
   [[nodiscard]] std::size_t sphere_of(std::int32_t body) const {
     return static_cast<std::size_t>(body) - first_a_;
@@ -365,7 +411,8 @@ class contact_keeper : shape_pairs<Scenario, sphere, sphere, partner::moving> {
   const placed_sphere* places_ = nullptr;
   const moving_sphere* spheres_ = nullptr;  ///< null: of a few only
   std::array<moving_sphere, 2 * lanes> few_;
-  real margin_ = 0;  ///< the largest of a sphere: its reach without its radius
+  bool turns_slowly_ = true;  ///< so that no contact has a bias
+  real margin_ = 0;           ///< the largest of a sphere: its reach without its radius
   sphere_batch batch_;
   std::array<plain_pair<std::size_t, std::size_t>, lanes> lanes_;  ///< the bodies of its pairs
   bool between_known_ = false;  ///< the properties of the last pair of materials

@@ -16,13 +16,25 @@
 #include <utility>
 
 #include "talus/contact/contact_geometry.hpp"
+#include "talus/core/pack_vector.hpp"
 #include "talus/detect/narrow.hpp"
+#include "talus/detect/sphere_batch.hpp"
 #include "talus/motion/integrate.hpp"
 #include "talus/shape/frame.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/midpoint_state.hpp"
 
 namespace talus::detail {
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+/// The square of the speed below which the accelerations that a bias compensates are less than 1e-4
+/// of the acceleration `pull` of the bodies.
+template <class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline Pack slow_turn(const Pack& pull, const Pack& radius) {
+  return every_lane<Pack>(1e-4) * pull * radius;
+}
 
 /// The contact points of one pair in the middle of the last step, and the velocities of its bodies
 /// after that step.
@@ -49,19 +61,37 @@ class earlier_contacts {
 };
 
 /// The bias of a contact whose relative velocity was `last` at the middle of the last step, with
-/// the normal at that time, and is `u` in the middle of this one.
-[[nodiscard]] inline vec3 midpoint_bias(const vec3& normal, const vec3& u, const vec3& last_normal,
-                                        const vec3& last) {
-  const real un = normal.dot(u);
-  const real dn = un - last_normal.dot(last);
-  const real most = std::abs(un), half = std::clamp(dn / 2, -most, most);
-  const vec3 ut = u - un * normal;
-  vec3 bias{0, 0, 0};
-  if (half * un > 0) bias = -half * normal;
-  const real square = ut.squaredNorm();
-  if (!(square > 0)) return bias;
-  const real part = ut.dot(u - last) / (2 * square);
-  return bias - std::clamp(part, real(0), real(1)) * ut;
+/// the normal at that time, and is `u` in the middle of this one; or of several contacts.
+template <class Pack>
+[[nodiscard]] [[gnu::always_inline]] inline vectors_of<Pack> midpoint_bias(
+    const vectors_of<Pack>& normal, const vectors_of<Pack>& u, const vectors_of<Pack>& last_normal,
+    const vectors_of<Pack>& last) {
+  const Pack zero = every_lane<Pack>(0), one = every_lane<Pack>(1), two = every_lane<Pack>(2);
+  const Pack un = dot(normal, u), half_change = (un - dot(last_normal, last)) / two;
+  const Pack most = choose(un < zero, -un, un);
+  const Pack half = larger(smaller(half_change, most), -most);
+  const vectors_of<Pack> ut = u - un * normal;
+  const Pack square = dot(ut, ut), part = dot(ut, u - last) / (two * square);
+  const Pack share = choose(square > zero, larger(smaller(part, one), zero), zero);
+  const Pack along = choose(half * un > zero, -half, zero);
+  return along * normal - share * ut;
+}
+
+/// The biases of the pairs of a batch, between which accelerations of `pull` act: those of lasting
+/// contacts whose bodies do not turn slowly.
+template <bool Friction>
+[[nodiscard]] inline pack_vector<wide_pack<real>> biases_of(const sphere_batch& of,
+                                                            const wide_pack<real>& pull, real dt) {
+  using wide = wide_pack<real>;
+  const wide held = larger(pull * dt * dt, of.slack()), speed = of.speed();
+  const auto turns = speed * speed >= slow_turn<wide>(pull, of.smaller_radius());
+  const auto counts = (of.gap <= held) & turns;
+  const pack_vector<wide> none{every_lane<wide>(0), every_lane<wide>(0), every_lane<wide>(0)};
+  if (bits_of(counts) == 0) return none;
+  const auto last = of.before(dt);
+  pack_vector<wide> bias = midpoint_bias<wide>(of.normal, of.velocity, last.normal, last.velocity);
+  if constexpr (!Friction) bias = dot(of.normal, bias) * of.normal;
+  return choose(counts & (last.gap <= held) & (last.gap <= of.margin()), bias, none);
 }
 
 /// The orientation of body i `dt` before, and its spin, if nothing acted on it since.
@@ -90,5 +120,7 @@ template <class Shape, class Store>
   }
   return {shape, p};
 }
+
+#pragma GCC diagnostic pop
 
 }  // namespace talus::detail
