@@ -66,6 +66,7 @@ struct driven_body {
   real force = 0;  ///< that it holds in the step under way
   bool is_servo = false;
   bool followed = false;          ///< this run has made a step with it
+  vec3 from{0, 0, 0};             ///< its position at the start of the step under way
   servo_sums sums;                ///< of the step under way
   driven_step next;               ///< the step under way
   vec3 dv{0, 0, 0}, dw{0, 0, 0};  ///< change of the velocity since the last one

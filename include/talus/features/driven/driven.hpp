@@ -154,6 +154,7 @@ void aim_driven(world_state<Scenario>& s) {
   s.driving.fastest = 0, s.driving.moves = false;
   each_driven(s, [&](auto& b, std::size_t i, driven_body& one) {
     driven_state& state = one.state;
+    one.from = state.at.point;
     if (one.is_servo) one.force = force_of_servo(s, b, i, one);
     one.next = one.plan ? one.plan(state, s.time, s.dt) : driven_step{.end = state.at};
     const driven_step& next = one.next;

@@ -20,13 +20,14 @@ namespace talus {
 /// Energy that entered or left the motion of the bodies. Each entry is computed on its own.
 struct energy_flows {
   double work = 0;        ///< done by forces and torques of the user, and by fixed bodies with a
-                          ///< velocity on the bodies that they carry along
+                          ///< velocity on the bodies that they carry along; that of a servo on
+                          ///< hard contacts is its force times its way
   double motors = 0;      ///< done by motors of joints
   double springs = 0;     ///< done by springs and dampers of joints; below 0 while springs are bent
   double friction = 0;    ///< dissipated by tangential impulses
   double impact = 0;      ///< dissipated by normal impulses, and by those of joints
   double damping = 0;     ///< dissipated by damping
-  double correction = 0;  ///< added by the position correction
+  double correction = 0;  ///< added by the position correction, of either sign with servos
   double scheme = 0;      ///< added by the time stepping: -m g^2 dt^2/2 per step of a free fall,
                           ///< and the error of the rotation scheme
   double sleep = 0;       ///< dissipated when islands were put to sleep
@@ -433,6 +434,34 @@ void book_stop(world_state<Scenario>& s, const Store& store, std::size_t i, cons
   s.monitors.energy.running.scheme += s.gravity.dot(missing) / store.inverse_mass[i];
 }
 
+/// After positions have moved. In the response each part of a servo has a velocity of its own, and
+/// its contacts are booked with it. The servo goes the mean way of its parts, and of their position
+/// corrections: its work is its force times that way, and the rest belongs to the correction.
+template <class Scenario>
+void book_servos(world_state<Scenario>& s) {
+  const auto& d = s.driving;
+  if (std::none_of(d.all.begin(), d.all.end(), [](const auto& one) { return one->is_servo; }))
+    return;
+  energy_record& r = s.monitors.energy;
+  s.each_contact_list([&](const auto& list) {
+    list.each_acting([&](const auto& c, bool, bool on_b) {
+      if constexpr (std::remove_cvref_t<decltype(c)>::paired) {
+        const auto b = static_cast<std::size_t>(c.b);
+        if (!on_b || b < d.first || d.owners[b - d.first] < 0) return;
+        const auto& one = *d.all[static_cast<std::size_t>(d.owners[b - d.first])];
+        if (!one.is_servo) return;
+        const split_impulse p = impulse_in_parts(c);
+        const auto& part = r.mean[b];
+        const real rest =
+            (p.normal + p.tangential)
+                .dot((one.next.end.point - one.from) / s.dt - velocity_on_b(c, part.v, part.w));
+        r.running.work += rest;
+        r.running.correction += -rest;
+      }
+    });
+  });
+}
+
 /// After positions have moved: the change of rotational energy by free rotation and by the position
 /// correction. The correction rotates bodies last and does not change their angular velocity; in
 /// steps with substeps it rotates that as well, and the energy stays.
@@ -540,7 +569,10 @@ struct energy_ledger::hooks {
   }
   template <class Scenario>
   static void after_move(detail::world_state<Scenario>& s) {
-    if constexpr (!Scenario::contact_law::soft) book_motion(s);
+    if constexpr (!Scenario::contact_law::soft) {
+      if constexpr (detail::world_state<Scenario>::drives) book_servos(s);
+      book_motion(s);
+    }
   }
   template <class Scenario>
   static void at_close(detail::world_state<Scenario>& s) {
