@@ -6,7 +6,9 @@
 #include <talus/mesh.hpp>
 #include <talus/observe/digest.hpp>
 #include <talus/observe/energy.hpp>
+#include <talus/observe/loads.hpp>
 #include <talus/observe/motion.hpp>
+#include <talus/observe/tables.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/serial.hpp>
 #include <talus/parallel/threads.hpp>
@@ -160,5 +162,9 @@ TEST_CASE("a mesh that should move is refused, and one that is fixed is no body 
         "build it of convex parts, as a convex_polyhedron or a union_of<convex_polyhedron>");
     const auto h = w.add(body{.shape = m, .fixed = true});
     CHECK_THROWS_WITH(w[h].release(), doctest::Contains("has no mass and stays fixed"));
+    CHECK(w[h].mass() == 0);
+    CHECK(w[h].inertia() == vec3(0, 0, 0));
+    CHECK(measure_body(w, h).mass == 0);
+    CHECK(body_table(w).numbers("mass")[0] == 0);
   });
 }

@@ -24,13 +24,18 @@ template <class Shape>
   return (b.density ? b.density.value() : materials[b.material].density) * b.shape.volume();
 }
 
-/// The mass of body i of a store, also of a fixed one.
+/// The mass of body i of a store, also of a fixed one; 0 of a shape that has none.
 template <class Store>
 [[nodiscard]] real mass_of(const Store& store, std::size_t i, const material_table& materials) {
-  const real by_volume = materials[store.material[i]].density * store.shape[i].volume();
-  const real inverse =
-      store.keeps_mass(i) ? store.kept.inverse_of(store.id[i]) : store.inverse_mass[i];
-  return inverse == 0 || inverse == 1 / by_volume ? by_volume : 1 / inverse;
+  using shape = typename Store::shape_type;
+  if constexpr (!shape::finite || requires { shape::immovable; }) {
+    return 0;
+  } else {
+    const real by_volume = materials[store.material[i]].density * store.shape[i].volume();
+    const real inverse =
+        store.keeps_mass(i) ? store.kept.inverse_of(store.id[i]) : store.inverse_mass[i];
+    return inverse == 0 || inverse == 1 / by_volume ? by_volume : 1 / inverse;
+  }
 }
 
 /// The inertia per unit mass, rounded to 7e-15 of its largest number, so that bodies of one form

@@ -35,13 +35,11 @@ class view_writer {
     const stage_seconds t = w.stage_times();
     out.seconds = {t.detect, t.respond, t.integrate, t.exchange};
     s.each_shape([&](const auto& b) {
-      using shape = typename std::remove_cvref_t<decltype(b)>::shape_type;
       const auto add = [&](const auto& store, std::size_t end, bool global) {
         for (std::size_t i = 0; i < end; ++i) {
           if (store.flags[i] & flag_invisible) continue;
           view_body one = body_of(store, i, w.rank(), global);
-          if constexpr (shape::finite)
-            one.mass = static_cast<float>(mass_of(store, i, s.materials));
+          one.mass = static_cast<float>(mass_of(store, i, s.materials));
           add_body(out, store, i, one);
         }
       };

@@ -176,7 +176,7 @@ template <class Scenario, class Shape>
     const vec3 &x = b->position(), &v = b->velocity(), &turn = b->angular_velocity();
     const quat q = b->orientation();
     double mass = 0;
-    if constexpr (Shape::finite && !requires { Shape::immovable; }) mass = b->mass();
+    if constexpr (Shape::finite) mass = b->mass();
     sums = {1,
             x[0],
             x[1],

@@ -141,13 +141,10 @@ template <class Scenario>
   std::vector<detail::body_table_row> mine;
   std::uint32_t shape = 0;
   const auto add = [&](const auto& store, std::size_t count, bool global) {
-    using shape_type = typename std::remove_cvref_t<decltype(store)>::shape_type;
     for (std::size_t i = 0; i < count; ++i) {
       const vec3 &x = store.position[i], &v = store.velocity[i], &turn = store.angular_velocity[i];
       const quat q = store.pose(i).orientation;
-      double mass = 0;
-      if constexpr (shape_type::finite && !requires { shape_type::immovable; })
-        mass = mass_of(store, i, s.materials);
+      const double mass = mass_of(store, i, s.materials);
       mine.push_back({value_of(store.id[i]),
                       shape,
                       static_cast<std::uint32_t>(store.material[i]),

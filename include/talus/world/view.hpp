@@ -60,7 +60,7 @@ class body_view {
   [[nodiscard]] talus::pose pose() const { return store_->pose(i_); }
   /// Material of the body: see world.materials().
   [[nodiscard]] material_id material() const { return store_->material[i_]; }
-  /// Mass, also of a fixed body.
+  /// Mass, also of a fixed body; 0 of a triangle_mesh.
   [[nodiscard]] real mass() const requires(Shape::finite) {
     return detail::mass_of(*store_, i_, s_->materials);
   }
