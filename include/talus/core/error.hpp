@@ -42,7 +42,8 @@ namespace detail {
 }
 /// The text of a message, with a {} for each value, or {0}, {1}, ... for repeated or reordered
 /// values. A text that does not match its values does not compile. (fmt would check this too, at
-/// ten times the cost: every program compiles a hundred messages.)
+/// ten times the cost: every program compiles a hundred messages.) The article "a" before a word
+/// that begins with a vowel becomes "an".
 template <class... Values>
 struct message_words {
   consteval message_words(const char* words) : words(words) {
@@ -76,6 +77,12 @@ class message_value {
         minus_(i < 0),
         magnitude_(minus_ ? 0 - static_cast<std::uint64_t>(i) : static_cast<std::uint64_t>(i)) {}
 
+  /// Whether it is a word of talus, such as the name of a shape, that takes the article "an".
+  [[nodiscard]] bool takes_an() const {
+    if (kind_ != kind::words) return false;
+    const char c = *static_cast<const char*>(at_);
+    return c == 'a' || c == 'e' || c == 'i' || c == 'o';
+  }
   [[nodiscard]] std::string text() const {
     switch (kind_) {
       case kind::real:
@@ -109,13 +116,20 @@ class message_value {
 [[nodiscard, gnu::cold, gnu::noinline]] inline std::string fill_gaps(const char* words,
                                                                      const message_value* values) {
   std::string filled;
+  const auto insert = [&](const message_value& value) {
+    const std::size_t n = filled.size();
+    const bool article =
+        n >= 2 && filled[n - 1] == ' ' && filled[n - 2] == 'a' && (n == 2 || filled[n - 3] == ' ');
+    if (article && value.takes_an()) filled.insert(n - 1, 1, 'n');
+    filled += value.text();
+  };
   for (std::size_t gap = 0; *words != 0; ++words) {
     if (*words != '{') {
       filled += *words;
     } else if (*++words == '}') {
-      filled += values[gap++].text();
+      insert(values[gap++]);
     } else {
-      filled += values[*words++ - '0'].text();
+      insert(values[*words++ - '0']);
     }
   }
   return filled;
