@@ -134,7 +134,7 @@ class call_trial {
     e_.first_step = std::max<std::uint64_t>(w.steps(), before);
     e_.steps = w.last_step() - w.steps();
     if (w.materials().size() > 1) e_.pair_rules = w.materials().describe_rules();
-    e_.forces = w.noted_forces();
+    e_.forces = w.acting();
     count_bodies(w, e_);
     over_ = false;
     made_ = in_batch_ = 0, batch_ = 1;

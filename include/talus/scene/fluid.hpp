@@ -130,17 +130,17 @@ template <class Fluid, class Law, class Store>
 
 }  // namespace detail
 
-/// Exerts drag and buoyancy of a fluid on all movable bodies in the steps of simulate(). A shape
-/// that is not a sphere has the drag of a sphere of its volume; nothing acts on its rotation. The
+/// Exerts drag and buoyancy of a fluid on all movable bodies in each step. A shape that is not a
+/// sphere has the drag of a sphere of its volume; nothing acts on its rotation. The
 /// buoyancy is density times volume times gravity, upwards. The flow does not feel the bodies. Each
-/// step uses the fluid at its start, and the coefficient of the drag at the velocity there; the
-/// relaxation within the step is exact, so that no dt is unstable and the terminal velocity has no
-/// error (contacts and other forces add to the velocity after it). It needs no messages: functions
-/// must return the same bits on all ranks. Where it changes, sleeping bodies wake. `name`
-/// identifies its state in checkpoints and must be unique. All ranks make the same call. Throws
-/// invalid_argument for a density that is negative or a viscosity that is not positive, and
-/// runtime_error in a step for a velocity, void fraction or drag that is not valid. Needs
-/// features<forces>.
+/// step uses the fluid at its start (with integrator<moreau_midpoint> at its middle), and the
+/// coefficient of the drag at the velocity there; the relaxation within the step is exact, so that
+/// no dt is unstable and the terminal velocity has no error (contacts and other forces add to the
+/// velocity after it). It needs no messages: functions must return the same bits on all ranks.
+/// Where it changes, sleeping bodies wake. The summary gives its time under `name`. All ranks make
+/// the same call. Throws invalid_argument for a density that is negative or a viscosity that is not
+/// positive, and runtime_error in a step for a velocity, void fraction or drag that is not valid.
+/// Needs features<forces>.
 template <class World, class Velocity, class VoidFraction, class Law = di_felice_drag>
 void add_fluid(World& w, fluid<Velocity, VoidFraction> of, Law law = {},
                const std::string& name = "fluid") {
@@ -165,33 +165,15 @@ void add_fluid(World& w, fluid<Velocity, VoidFraction> of, Law law = {},
           "the density of a fluid must be finite and not negative, but is {}", of.density);
     if constexpr (!std::is_same_v<Law, no_drag>)
       detail::require_positive(of.viscosity, "the viscosity of a fluid with drag");
-    struct record {
-      std::uint64_t next = ~std::uint64_t{0};  ///< the step for which forces have been added
-      real dt = 0;                             ///< their time step
-    };
-    const auto done = std::make_shared<record>();
-    const auto add = [&w, of = std::move(of), law = std::move(law)](real sign, real dt) {
+    w.act_each_step(name, [&w, of = std::move(of), law = std::move(law)](real time) {
       auto& s = detail::state_of(w);
       s.each_finite_shape([&](auto& b) {
         auto& store = b.movable;
         for (std::size_t i = 0; i < store.size(); ++i)  // shadow copies too, as their owners do
           if (store.inverse_mass[i] != 0)
-            store.force[i] += sign * detail::fluid_force(of, law, store, i, s.gravity, s.time, dt);
+            store.force[i] += detail::fluid_force(of, law, store, i, s.gravity, time, s.dt);
       });
-    };
-    const auto act = [&w, add, done] {
-      const real dt = detail::state_of(w).dt;
-      if (std::exchange(done->next, w.steps()) != w.steps()) {
-        add(1, dt);
-      } else if (done->dt != 0 && done->dt != dt) {  // added when the call before ended
-        add(-1, done->dt), add(1, dt);
-      }
-      done->dt = dt;
-    };
-    if constexpr (scenario::template has_feature<checkpoints>) w.keep(name, done->next);
-    w.before_simulating(name, act);
-    w.after_each_step(name, act);
-    w.note_force(name);
+    });
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <string>
 #include <tuple>
@@ -227,6 +228,8 @@ struct joint_state<Scenario, type_list<>> {};
 /// The loads, and the course of time.
 struct step_conditions {
   vec3 gravity{0, 0, 0};
+  /// What exerts forces in each step, at a time; see world::act_each_step().
+  std::vector<named_function<std::function<void(real)>>> acting;
   real damping = 1;  ///< part of the velocity kept per unit of time
   real dt = 0;       ///< of the last step, or of the one under way
   step_lengths lengths;

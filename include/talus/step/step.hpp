@@ -14,6 +14,7 @@
 #include "talus/pairs/filtered_pairs.hpp"
 #include "talus/state/hooks.hpp"
 #include "talus/state/state.hpp"
+#include "talus/step/act_on_bodies.hpp"
 #include "talus/step/integrators/moreau_midpoint.hpp"
 #include "talus/step/integrators/semi_implicit_euler.hpp"
 #include "talus/step/integrators/velocity_verlet.hpp"
@@ -37,6 +38,7 @@ void step(world_state<Scenario>& s, real dt) {
   if constexpr (world_state<Scenario>::filters) note_filters(s);
   notify_neighbours(s);
   note_copies_sent(s, !Scenario::integrator::shares_midway);
+  if constexpr (!world_state<Scenario>::midpoint) act_on_bodies(s, s.time);
   run_hooks<stages::at_start>(s);
   Scenario::integrator::step(s);
   run_hooks<stages::at_end>(s);

@@ -654,6 +654,18 @@ class world {
   /// file. Needs features<checkpoints>.
   template <class F>
   auto once(const std::string& name, F&& f);
+  /// Calls f(time) in each step to exert forces on bodies, at the positions of that time: at the
+  /// start of the step, and in its middle with integrator<moreau_midpoint>. f sees shadow copies,
+  /// too, and exerts the same on them as their owners do. All ranks make the same calls in the same
+  /// order. The summary gives the time of f under this name. Needs features<forces>.
+  void act_each_step(const std::string& name, std::function<void(real)> f) {
+    if constexpr (detail::require_feature<Scenario, forces>()) {
+      state_.acting.push_back({std::move(f), state_.functions.number(name)});
+      acting_.push_back(name);
+    }
+  }
+  /// The names of act_each_step(), in the order of the calls.
+  [[nodiscard]] const std::vector<std::string>& acting() const { return acting_; }
   /// Calls f() after each step of simulate().
   void after_each_step(std::function<void()> f) { after_each_step({}, std::move(f)); }
   /// Calls f() after each step of simulate(); the summary gives the time of f under this name.
@@ -716,11 +728,6 @@ class world {
   [[nodiscard]] std::uint64_t steps() const { return state_.steps; }
   /// The step with which the present call of simulate() ends, or the last one ended.
   [[nodiscard]] std::uint64_t last_step() const { return last_step_; }
-  /// Notes a force on bodies, with its name, that functions of before_simulating() and
-  /// after_each_step() add: step() outside of simulate() is then refused, since it lacks the force.
-  void note_force(const std::string& name) { forces_.push_back(name); }
-  /// The names of note_force(), in the order of the calls.
-  [[nodiscard]] const std::vector<std::string>& noted_forces() const { return forces_; }
   /// Notes that pictures are taken of this world, by take_pictures() or in another way: run() then
   /// accepts --frames.
   void note_pictures() { takes_pictures_ = true; }
@@ -870,7 +877,7 @@ class world {
   std::uint64_t added_here_ = 0;
   std::uint64_t last_step_ = 0, simulations_ = 0;
   bool simulating_ = false, stopped_ = false;
-  std::vector<std::string> forces_;  ///< see note_force()
+  std::vector<std::string> acting_;  ///< the names of act_each_step()
   bool stop_asked_ = false;          ///< by this rank, in the present step
   bool agree_ = false;               ///< a function of observe() was called in the present step
   using called = std::vector<detail::named_function<std::function<void()>>>;

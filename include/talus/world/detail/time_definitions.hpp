@@ -66,11 +66,6 @@ void world<Scenario>::step(real dt) {
     detail::fail<std::logic_error>(
         "step was called inside a global section on rank {}: close the section first", rank());
   detail::require_positive(dt, "the time step dt");
-  if (!simulating_ && !forces_.empty())
-    detail::fail<std::logic_error>(
-        "step was called on rank {}, and \"{}\" acts in the steps of simulate() alone: call "
-        "world.simulate with .steps = 1 and .dt = {}",
-        rank(), forces_.front(), dt);
   if constexpr (keeps) {
     if (keeper_.hooks != nullptr) keeper_.hooks->refuse_step_before_restart();
     if (!keeper_.given) keeper_.note_given(detail::parameters_of(state_));
