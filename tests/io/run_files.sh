@@ -424,6 +424,29 @@ END
   nothing_left
 }
 
+# On a file system without locks the text of FILE.lock tells which run writes.
+unlocked() {
+  cat >unlocked.c <<'END'
+#include <errno.h>
+int flock(int f, int how) {
+  (void)f, (void)how, errno = ENOLCK;
+  return -1;
+}
+END
+  cc -shared -fPIC -o unlocked.so unlocked.c 2>out || { echo "no file system lacks locks: $(cat out)"; return 0; }
+  export LD_PRELOAD=$PWD/unlocked.so
+  expect 0 -- "$program" --quiet --steps 5 --json u.json
+  nothing_left
+  "$program" --quiet --steps 1000000000 --json u.json >out1 2>&1 &
+  local pid=$!
+  wait_for u.json.config.toml
+  expect 1 "u.json is being written by another run (process $pid on " -- "$program" --quiet --steps 5 --json u.json
+  kill -TERM $pid
+  wait $pid || true
+  unset LD_PRELOAD
+  nothing_left
+}
+
 # A signal that ends a run leaves no lock. mpirun may give processes no time when another one is killed: then the
 # next run removes the locks.
 ended() {

@@ -37,12 +37,14 @@ TALUS_INLINE void run_lock::take(const std::string& file) {
     open(file);
     const bool locked = ::flock(id_, LOCK_EX | LOCK_NB) == 0;
     const int error = errno;
-    const bool lives = !locked && lock_holder::from_text(text_of_lock(id_)).lives_here();
+    // (One that this run has just made has the text of this run.)
+    const bool lives =
+        !locked && !owns_file_ && lock_holder::from_text(text_of_lock(id_)).lives_here();
     if (!locked && error != EINTR && (lives || (error == EWOULDBLOCK && attempt >= 5))) refuse();
     // (Without locks of the file system, only the text counts; that of another machine is
     // ignored: a run that was killed there would block all others.)
     if (!locked && (error == EINTR || error == EWOULDBLOCK)) {  // others may look at it
-      close();
+      if (!owns_file_) close();
       if (error == EWOULDBLOCK) ::usleep(10000);
       continue;
     }
