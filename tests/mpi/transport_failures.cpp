@@ -10,10 +10,13 @@
 
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <optional>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <thread>
 
@@ -21,6 +24,8 @@
 #include "talus/core/run_lock.hpp"
 #include "talus/io/run_signals.hpp"
 #include "talus/parallel/as_launched.hpp"
+#include "talus/parallel/grid.hpp"
+#include "talus/scene/run.hpp"
 
 using namespace talus;
 using namespace talus::transport_laws;
@@ -64,6 +69,23 @@ void beside_a_lock(void (*end)()) {
     work(l, [&](int step) {
       if (step == 30 && l.rank() == 2) end();
     });
+  });
+}
+
+std::string results_file() { return self + ".json"; }
+
+/// The last rank calls exit(3) after step 3 of a run whose results rank 0 has locked.
+void exits_in_a_run() {
+  using scene = scenario<bodies<sphere>, decomposition<grid<dynamic, 1>>, transport<mpi>>;
+  std::string words[] = {"balls", "--quiet", "--steps", "5", "--json", results_file()};
+  char* arguments[6];
+  for (int k = 0; k < 6; ++k) arguments[k] = words[k].data();
+  (void)talus::run<scene>(6, arguments, [](auto& w, const auto& options) {
+    w.decompose({.lower = {-9}, .upper = {9}});
+    w.after_each_step([&] {
+      if (w.steps() == 3 && w.rank() == w.ranks() - 1) std::exit(3);
+    });
+    w.simulate({.steps = options.steps, .dt = options.dt});
   });
 }
 
@@ -187,6 +209,7 @@ const std::map<std::string, std::function<void()>> jobs = {
      }},
     {"one_beside_a_lock", [] { beside_a_lock([] { throw std::runtime_error("a body left"); }); }},
     {"exit_beside_a_lock", [] { beside_a_lock([] { detail::end_of_job.load()(3); }); }},
+    {"exits_in_a_run", exits_in_a_run},
     {"threads", [] { threads::launch({}, [](auto&) { std::fputs("ran\n", stderr); }); }},
     {"serial", [] { serial::launch({}, [](auto&) { std::fputs("ran\n", stderr); }); }},
 };
@@ -300,6 +323,16 @@ TEST_CASE("mpi: no lock of rank 0 is left when another rank fails") {
   CHECK(result.status == 3);
   CHECK(::access(lock_of_file().c_str(), F_OK) != 0);
   ::unlink(lock_of_file().c_str());
+}
+
+TEST_CASE("mpi: a rank that exits writes the results of the run, which rank 0 has locked") {
+  const outcome result = run("exits_in_a_run");
+  CHECK(result.status == 3);
+  std::stringstream json;
+  json << std::ifstream(results_file()).rdbuf();
+  INFO(result.text << json.str());
+  CHECK(json.str().find("exit(3) on rank 3 after step 3") != std::string::npos);
+  ::unlink(results_file().c_str());
 }
 
 TEST_CASE("threads and serial refuse to run several times over, and say so once") {

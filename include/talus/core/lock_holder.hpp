@@ -18,9 +18,16 @@ struct lock_holder {
   [[nodiscard, gnu::cold]] std::string words() const;
   /// Whether it is a process of this machine that still runs.
   [[nodiscard, gnu::cold]] bool lives_here() const;
-  [[nodiscard, gnu::cold]] bool is_this_process() const;
+  /// Whether it is this process, or the one of join().
+  [[nodiscard, gnu::cold]] bool is_of_this_run() const;
+  /// Another process of the same run, which holds the locks: the first rank of a job.
+  [[gnu::cold]] static void join(const lock_holder& of_run);
 
  private:
+  [[nodiscard, gnu::cold]] bool operator==(const lock_holder& x) const {
+    return host == x.host && pid == x.pid && started == x.started;
+  }
+  [[nodiscard, gnu::cold]] static lock_holder& joined();
   /// The value of the line that begins with `key`.
   [[nodiscard, gnu::cold]] static std::string line(const std::string& text, const char* key);
   /// The 22nd field of /proc/PID/stat; the second may hold blanks and ends with the last ')'.

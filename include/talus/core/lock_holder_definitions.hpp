@@ -53,9 +53,17 @@ TALUS_INLINE bool lock_holder::lives_here() const {
   return start_of(pid) == started;
 }
 
-TALUS_INLINE bool lock_holder::is_this_process() const {
-  const lock_holder mine = this_process();
-  return host == mine.host && pid == mine.pid && started == mine.started;
+TALUS_INLINE lock_holder& lock_holder::joined() {
+  static lock_holder of_run;
+  return of_run;
+}
+
+TALUS_INLINE void lock_holder::join(const lock_holder& of_run) {
+  if (!(of_run == this_process())) joined() = of_run;  // ranks may be threads of one process
+}
+
+TALUS_INLINE bool lock_holder::is_of_this_run() const {
+  return *this == this_process() || *this == joined();
 }
 
 TALUS_INLINE std::string lock_holder::line(const std::string& text, const char* key) {
@@ -89,7 +97,8 @@ TALUS_INLINE std::string text_of_lock(int id) {
 [[nodiscard, gnu::cold]] inline std::string series_of(const std::string& file) {
   const auto end = file.find_last_of('.');
   const auto before = file.find_last_not_of("0123456789", end - 1);
-  if (end == file.npos || before == file.npos || before + 1 >= end || file[before] != '_')
+  if (end == file.npos || file.find('/', end) != file.npos || before == file.npos ||
+      before + 1 >= end || file[before] != '_')
     return {};
   return file.substr(0, before) + file.substr(end) + ".series";
 }
@@ -104,11 +113,11 @@ TALUS_INLINE std::string words_of_other_run(const lock_holder& holder) {
 [[nodiscard, gnu::cold]] inline std::string words_of_lock(const std::string& file) {
   const std::string name = file + ".lock";
   const int id = ::open(name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (id < 0) return {};
+  if (id < 0) return errno == EACCES ? words_of_other_run({}) : "";  // of another user
   const std::string text = text_of_lock(id);
   const lock_holder holder = lock_holder::from_text(text);
   // (A process that was killed may still be listed while it holds no lock any more.)
-  const bool held = text.starts_with(lock_holder::mark) && !holder.is_this_process() &&
+  const bool held = text.starts_with(lock_holder::mark) && !holder.is_of_this_run() &&
                     ::flock(id, LOCK_SH | LOCK_NB) != 0 &&
                     (errno == EWOULDBLOCK || holder.lives_here());
   ::close(id);

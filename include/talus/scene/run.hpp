@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <functional>
 #include <list>
@@ -188,6 +189,18 @@ template <class Scenario, class Options>
   return {};
 }
 
+/// Collective: the locks that the first rank of a job holds are those of this rank too, which
+/// writes the results where it calls exit().
+template <class Link>
+void join_run(Link& link) {
+  std::string text = lock_holder::this_process().text();
+  byte_buffer bytes(text.size());
+  std::memcpy(bytes.data(), text.data(), text.size());
+  link.broadcast(bytes);
+  text.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (link.rank() != 0) lock_holder::join(lock_holder::from_text(text));
+}
+
 /// One rank of the program: set-up, steps with progress, figures. Returns the exit code. `began`:
 /// wall_seconds() when the program began.
 template <class Scenario, class Options, class SetUp>
@@ -208,6 +221,7 @@ int run_rank(typename Scenario::transport::link& link, const Options& options,
   const std::string replaced = speaks ? inspect_outputs(options, locks) : "";
   run_configuration configuration;
   if (speaks) configuration.prepare(options, name);
+  if (!options.json.empty()) join_run(link);
   // Ranks take part in what needs all of them if any speaks or keeps a log.
   const bool quiet = options.quiet, silent = quiet && options.log.empty();
   if (speaks) log.write(compose("ranks        {}\n", w.ranks()));
