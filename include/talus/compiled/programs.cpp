@@ -1,7 +1,7 @@
 // The compiled part: command lines, progress, summaries, pictures, materials and files.
 #include "talus/body/material_definitions.hpp"
-#include "talus/core/output_file_definitions.hpp"
 #include "talus/core/lock_holder_definitions.hpp"
+#include "talus/core/output_file_definitions.hpp"
 #include "talus/core/run_lock_definitions.hpp"
 #include "talus/core/shown_text_definitions.hpp"
 #include "talus/io/detail/view_blocks_definitions.hpp"
