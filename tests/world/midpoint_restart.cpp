@@ -1,4 +1,5 @@
-// Impacts in the middle of the step, by colours: the same bits on any ranks and after restarts.
+// Impacts and fields in the middle of the step, by colours: the same bits on any ranks and after
+// restarts.
 #include <doctest/doctest.h>
 
 #include <unistd.h>
@@ -7,6 +8,7 @@
 #include <talus/observe/digest.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/threads.hpp>
+#include <talus/scene/force_field.hpp>
 #include <talus/solver/coloured_gauss_seidel.hpp>
 #include <talus/world/world.hpp>
 
@@ -17,7 +19,8 @@ namespace {
 using bouncing =
     scenario<bodies<sphere, box, plane>, solver<reproducible>, integrator<moreau_midpoint>,
              transport<threads>, decomposition<grid<dynamic, dynamic>>,
-             hard_contact<coulomb_friction, newton_restitution>, features<checkpoints, driven>>;
+             hard_contact<coulomb_friction, newton_restitution>,
+             features<checkpoints, driven, forces>>;
 
 /// A box of planes, the floor of which shakes.
 void add_walls(world<bouncing>& w) {
@@ -29,6 +32,9 @@ void add_walls(world<bouncing>& w) {
     for (const vec3& n : {vec3(1, 0, 0), vec3(0, 1, 0)})
       scope.add(plane{n, 0}, m), scope.add(plane{-n, -4}, m);
     scope.drive(floor, oscillation{.amplitude = {0, 0, 0.05}, .frequency = 5});
+  });
+  add_force_field(w, [](const vec3& x, real t) {  // towards a place that goes round
+    return vec3(2 + portable::cos(t), 2 + portable::sin(t), 1) - x;
   });
 }
 void add_bodies(world<bouncing>& w) {
@@ -65,7 +71,8 @@ std::string digest_of(int ranks, const std::string& read, const std::string& wri
 
 }  // namespace
 
-TEST_CASE("impacts on a shaking floor have the same bits on any ranks and after restarts") {
+TEST_CASE(
+    "impacts on a shaking floor in a field have the same bits on any ranks and after restarts") {
   const std::string file = "/tmp/talus_midpoint_" + std::to_string(getpid()) + ".h5";
   const std::string digest = digest_of(2, "", file);
   for (const int ranks : {1, 4}) {
