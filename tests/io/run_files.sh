@@ -437,6 +437,7 @@ END
   export LD_PRELOAD=$PWD/unlocked.so
   expect 0 -- "$program" --quiet --steps 5 --json u.json
   nothing_left
+  rm u.json u.json.config.toml
   "$program" --quiet --steps 1000000000 --json u.json >out1 2>&1 &
   local pid=$!
   wait_for u.json.config.toml
