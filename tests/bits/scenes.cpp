@@ -35,11 +35,11 @@ int main(int argc, char** argv) {
   const course saved{4, 700, dt, file}, loaded{1, 700, dt, "", file};
   compare("balls, 1 rank", "cf75993951e35844", [&] { return balls({1, 800, dt}); });
   compare("balls, 4 ranks", "cf75993951e35844", [&] { return balls({4, 800, dt}); });
-  compare("crates, 1 rank", "7aa28ba6e38462bd", [&] { return crates({1, 700, dt}); });
-  compare("crates, 4 ranks", "7aa28ba6e38462bd", [&] { return crates({4, 700, dt}); });
-  compare("shapes, 1 rank", "c7b936d483f5c614", [&] { return shapes({1, 700, dt}); });
-  compare("shapes, 4 ranks", "c7b936d483f5c614", [&] { return shapes(saved); });
-  compare("shapes, restarted on 1 rank", "c7b936d483f5c614", [&] { return shapes(loaded); });
+  compare("crates, 1 rank", "c21842a7bc3bbc53", [&] { return crates({1, 700, dt}); });
+  compare("crates, 4 ranks", "c21842a7bc3bbc53", [&] { return crates({4, 700, dt}); });
+  compare("shapes, 1 rank", "9b5b03f3d1b4084d", [&] { return shapes({1, 700, dt}); });
+  compare("shapes, 4 ranks", "9b5b03f3d1b4084d", [&] { return shapes(saved); });
+  compare("shapes, restarted on 1 rank", "9b5b03f3d1b4084d", [&] { return shapes(loaded); });
   compare("shear, 1 rank", "7c40aaeda43f9e65", [&] { return shear({1, 600, dt}); });
   compare("shear, 4 ranks", "7c40aaeda43f9e65", [&] { return shear({4, 600, dt}); });
   compare("sand, 1 rank", "5dd245e4dd0c06be", [&] { return sand({1, 2000, dt / 8}); });

@@ -30,4 +30,15 @@ concept may_rebound = requires(Contact& c) {
   c.held;
 };
 
+/// Whether an impact of this contact rebounds in this step.
+template <class Contact>
+[[nodiscard]] bool strikes(const Contact& c) {
+  if constexpr (!may_rebound<Contact>)
+    return (void)c, false;
+  else if constexpr (requires { c.held.n; })
+    return c.target_velocity > 0 || c.held.n != 0;
+  else
+    return c.target_velocity > 0 || !(c.held == decltype(c.held)::Zero());
+}
+
 }  // namespace talus::detail

@@ -52,7 +52,10 @@ class byte_writer {
   template <class T>
   void put(std::span<const T> values) {
     put(values.size());
-    for (const T& value : values) put(value);
+    if constexpr (std::is_same_v<T, std::byte>)
+      out_->insert(out_->end(), values.begin(), values.end());
+    else
+      for (const T& value : values) put(value);
   }
   /// See core/shared_data.hpp; null if the channel has none.
   [[nodiscard]] shared_memory* memory() const { return memory_; }
@@ -80,6 +83,13 @@ class byte_reader {
       in_ = in_.subspan(sizeof(T));
       return value;
     }
+  }
+  /// So many bytes, which are not copied.
+  std::span<const std::byte> get_bytes(std::size_t count) {
+    if (in_.size() < count) throw std::runtime_error("a message ended before its content");
+    const std::span<const std::byte> bytes = in_.first(count);
+    in_ = in_.subspan(count);
+    return bytes;
   }
   template <class T>
   vector_of<T> get_all() {

@@ -58,6 +58,7 @@ struct coloured_gauss_seidel final {
         detail::each_swept(lists, ranks, [&](auto& list) { list.sweep(s, c, true); });
       }
     };
+    const bool exact = ranks.find_islands();
     int k = 0;
     for (; k < watch.limit(); ++k) {
       if constexpr (!alone)
@@ -69,6 +70,7 @@ struct coloured_gauss_seidel final {
       if (s.finishes && k == impacts.first())
         detail::finish_impacts(s, ranks, detail::impact_stage::release, [&](int) { sweep(); });
       s.stage = impacts.stage(k);
+      if (exact && (watch.monitored() || k + 2 >= watch.limit())) ranks.note_islands(lists);
       sweep();
       joints.solve(s);
       watch.poll();
@@ -76,6 +78,7 @@ struct coloured_gauss_seidel final {
     if (s.finishes && s.stage == detail::impact_stage::strike)
       detail::finish_impacts(s, ranks, detail::impact_stage::strike, [&](int) { sweep(); });
     s.stage = detail::impact_stage::none;
+    if (exact && k > 0) ranks.solve_islands(lists);
     joints.share_loads(lists, s);
     const detail::solved done = watch.end(k, [&] { ranks.share_velocities(); });
 

@@ -19,8 +19,10 @@
 #include "talus/constraint/residual.hpp"
 #include "talus/constraint/stored_impulses.hpp"
 #include "talus/contact/key.hpp"
+#include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/solver/colouring.hpp"
+#include "talus/solver/contact_access.hpp"
 #include "talus/solver/contact_sums.hpp"
 #include "talus/solver/renewable.hpp"
 
@@ -116,13 +118,15 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
       const ends_of_contact& e = w.ends[i];
       std::int32_t a = e.a_moves ? w.contacts[i].a : -1, b = -1;
       if constexpr (Contact::paired) b = e.b_moves ? w.contacts[i].b : -1;
-      if (a < 0 || (e.shared && !e.owns_a)) std::swap(a, b);
+      const bool swapped = a < 0 || (e.shared && !e.owns_a);
+      if (swapped) std::swap(a, b);
       f(contact_unit{.priority = w.keys[i].hash(),
                      .id_a = w.keys[i].a,
                      .id_b = w.keys[i].b,
                      .a = a,
                      .b = b,
-                     .first = static_cast<std::uint32_t>(i)},
+                     .first = static_cast<std::uint32_t>(i),
+                     .swapped = swapped},
         e.shared);
     }
   }
@@ -139,13 +143,18 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
   [[nodiscard]] Contact contact(std::uint32_t colour, std::uint32_t part, std::uint32_t i) const {
     return colours_[colour].parts[part].row[i];
   }
+  [[nodiscard]] const contact_key& key(std::uint32_t colour, std::uint32_t part,
+                                       std::uint32_t i) const {
+    return colours_[colour].parts[part].keys[i];
+  }
   /// Adds a contact between bodies of other ranks, with its impulse. It is solved, but neither
   /// counted nor stored. Returns its place.
-  std::uint32_t add_foreign(const Contact& contact, std::uint32_t colour, bool a_moves,
-                            bool b_moves) {
-    auto& row = colours_[colour].parts[foreign].row;
-    row.add(contact, a_moves, b_moves);
-    return static_cast<std::uint32_t>(row.size() - 1);
+  std::uint32_t add_foreign(const Contact& contact, const contact_key& key, std::uint32_t colour,
+                            bool a_moves, bool b_moves) {
+    part& p = colours_[colour].parts[foreign];
+    p.row.add(contact, a_moves, b_moves);
+    p.keys.push_back(key);
+    return static_cast<std::uint32_t>(p.row.size() - 1);
   }
   /// Calls f(index) for the body of another rank of each shared contact; f returns the index that
   /// replaces it.
@@ -208,6 +217,61 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
         p.row.edit(i, [&](Contact& c) { f(c, p.keys[i]); });
     });
   }
+
+  // For contact_access: own contacts are interior, shared ones at the boundary, by their colours.
+
+  static const contact_calls<state>* calls() { return &calls_for<coloured_list>; }
+  [[nodiscard]] std::size_t size(contact_part p) const {
+    std::size_t sum = 0;
+    for (std::size_t k = 0; k < used_; ++k) sum += colours_[k].parts[number(p)].row.size();
+    return sum;
+  }
+  [[nodiscard]] plain_pair<std::int32_t, std::int32_t> bodies(contact_part p, std::size_t i) const {
+    const auto [of, k] = place(p, i);
+    if constexpr (requires { of->row.bodies(k); }) {
+      return of->row.bodies(k);
+    } else {
+      const Contact c = of->row[k];
+      return {c.a, Contact::paired ? c.b : -1};
+    }
+  }
+  /// Calls f(a, b) for the bodies of each contact, in this order.
+  template <class F>
+  void each_ends(contact_part p, F&& f) const {
+    for (std::size_t k = 0; k < used_; ++k) {
+      const auto& row = colours_[k].parts[number(p)].row;
+      for (std::size_t i = 0; i < row.size(); ++i)
+        if constexpr (requires { row.bodies(i); }) {
+          const auto [a, b] = row.bodies(i);
+          f(a, b);
+        } else {
+          const Contact c = row[i];
+          f(c.a, Contact::paired ? c.b : -1);
+        }
+    }
+  }
+  /// Calls f(contact) for each contact.
+  template <class F>
+  void each_contact_of(contact_part p, F&& f) const {
+    for (std::size_t k = 0; k < used_; ++k) {
+      const auto& row = colours_[k].parts[number(p)].row;
+      for (std::size_t i = 0; i < row.size(); ++i) f(row[i]);
+    }
+  }
+  [[nodiscard]] const contact_key& key(contact_part p, std::size_t i) const {
+    const auto [of, k] = place(p, i);
+    return of->keys[k];
+  }
+  [[nodiscard]] Contact contact(contact_part p, std::size_t i) const {
+    const auto [of, k] = place(p, i);
+    return of->row[k];
+  }
+  template <class F>
+  void edit(contact_part p, std::size_t i, F&& f) {
+    const auto [of, k] = place(p, i);
+    const_cast<part*>(of)->row.edit(k, f);
+  }
+
   /// Limits the restitution of impacts with friction of pairs that would add energy.
   void limit_rebounds(state& s);
   void prepare(const state& s);
@@ -278,6 +342,17 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
   struct all_parts {
     part parts[3];  ///< own, shared, foreign
   };
+
+  static constexpr std::size_t number(contact_part p) {
+    return p == contact_part::interior ? 0 : p == contact_part::boundary ? 1 : foreign;
+  }
+  /// The part with a contact, and its number there.
+  [[nodiscard]] plain_pair<const part*, std::size_t> place(contact_part p, std::size_t i) const {
+    std::size_t k = 0;
+    while (i >= colours_[k].parts[number(p)].row.size())
+      i -= colours_[k++].parts[number(p)].row.size();
+    return {&colours_[k].parts[number(p)], i};
+  }
 
   /// Moves the contacts that are solved together next to each other, behind all others, in an order
   /// that depends on ids alone.

@@ -25,6 +25,10 @@ struct contact_unit {
   std::uint32_t list = 0;       ///< of the solver: two bodies may have joints in several
   std::uint32_t first = 0;      ///< of its contacts in their list
   std::int32_t line = -1;       ///< index of the connection to the neighbour that has it too
+  bool swapped = false;         ///< a is the body with id_b
+
+  [[nodiscard]] system_id id_of_a() const { return swapped ? id_b : id_a; }
+  [[nodiscard]] system_id id_of_b() const { return swapped ? id_a : id_b; }
 
   /// Whether another unit takes its place in the same order.
   [[nodiscard]] bool same_bodies(const contact_unit& u) const {

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "talus/constraint/contact_impact.hpp"
 #include "talus/constraint/island_contact.hpp"
 #include "talus/constraint/joint_in_list.hpp"
 #include "talus/constraint/solver_state.hpp"
@@ -34,6 +35,7 @@ struct contact_calls {
   void (*add_ends)(void*, contact_part, plain_vector<contact_ends>&);
   const contact_key& (*key)(void*, contact_part, std::size_t);
   island_contact (*contact)(void*, contact_part, std::size_t);
+  void (*add_impulses)(void*, contact_part, plain_vector<vec3>&, plain_vector<char>&);
   void (*set)(void*, contact_part, std::size_t, const vec3&);
   void (*set_and_apply)(void*, std::size_t, const vec3&, State&);
   void (*set_at_boundary)(void*, std::size_t, const vec3&, State&);
@@ -64,6 +66,10 @@ class contact_access {
   }
   [[nodiscard]] island_contact contact(contact_part p, std::size_t i) const {
     return calls_->contact(list_, p, i);
+  }
+  /// Appends the impulse of each contact on a, in the world, and whether it strikes.
+  void add_impulses(contact_part p, plain_vector<vec3>& to, plain_vector<char>& striking) const {
+    calls_->add_impulses(list_, p, to, striking);
   }
   /// Sets its impulse on a, in the world; the velocities are not changed.
   void set(contact_part p, std::size_t i, const vec3& impulse) const {
@@ -96,58 +102,77 @@ template <class List>
 [[nodiscard]] List& list_at(void* list) {
   return *static_cast<List*>(list);
 }
+/// Lists of solvers that watch a sweep have all functions, those of solvers by colours the others.
 template <class List>
-inline constexpr contact_calls<typename List::state> calls_for{
-    [](void* l, contact_part p) { return list_at<List>(l).size(p); },
-    [](void* l, contact_part p, plain_vector<contact_ends>& to) {
-      const std::size_t n = list_at<List>(l).size(p);
-      to.reserve(to.size() + n);
+inline constexpr contact_calls<typename List::state> calls_for = [] {
+  using state = typename List::state;
+  contact_calls<state> calls{};
+  calls.size = [](void* l, contact_part p) { return list_at<List>(l).size(p); };
+  calls.add_ends = [](void* l, contact_part p, plain_vector<contact_ends>& to) {
+    const std::size_t n = list_at<List>(l).size(p);
+    to.reserve(to.size() + n);
+    if constexpr (requires { list_at<List>(l).each_ends(p, [](std::int32_t, std::int32_t) {}); })
+      list_at<List>(l).each_ends(p, [&](std::int32_t a, std::int32_t b) { to.push_back({a, b}); });
+    else
       for (std::size_t i = 0; i < n; ++i) {
         const auto [a, b] = list_at<List>(l).bodies(p, i);
         to.push_back({a, b});
       }
-    },
-    [](void* l, contact_part p, std::size_t i) -> const contact_key& {
-      return list_at<List>(l).key(p, i);
-    },
-    [](void* l, contact_part p, std::size_t i) -> island_contact {
-      const auto c = list_at<List>(l).contact(p, i);
-      const vec3 lever_b = c.paired ? vec3(c.lever_b()) : vec3(0, 0, 0);
-      island_contact one{c.a,     c.paired ? c.b : -1, c.axes(), c.lever_a(),
-                         lever_b, c.target_velocity,   c.mu(),   c.impulse()};
-      if constexpr (c.biased) {
-        const vec3 bias = one.axes * c.bias;
-        one.target_velocity += bias[0];
-        one.drive = {-bias[1], -bias[2]};
-      }
-      one.correction_rate = c.correction_rate;
-      return one;
-    },
-    [](void* l, contact_part p, std::size_t i, const vec3& impulse) {
-      list_at<List>(l).edit(p, i, [&](auto& c) { c.load_impulse(impulse); });
-    },
-    [](void* l, std::size_t i, const vec3& impulse, typename List::state& s) {
+  };
+  calls.key = [](void* l, contact_part p, std::size_t i) -> const contact_key& {
+    return list_at<List>(l).key(p, i);
+  };
+  calls.contact = [](void* l, contact_part p, std::size_t i) -> island_contact {
+    const auto c = list_at<List>(l).contact(p, i);
+    const vec3 lever_b = c.paired ? vec3(c.lever_b()) : vec3(0, 0, 0);
+    island_contact one{c.a,     c.paired ? c.b : -1, c.axes(), c.lever_a(),
+                       lever_b, c.target_velocity,   c.mu(),   c.impulse()};
+    if constexpr (c.biased) {
+      const vec3 bias = one.axes * c.bias;
+      one.target_velocity += bias[0];
+      one.drive = {-bias[1], -bias[2]};
+    }
+    one.correction_rate = c.correction_rate;
+    one.strikes = strikes(c);
+    return one;
+  };
+  if constexpr (requires(List & list) { list.each_contact_of({}, [](const auto&) {}); })
+    calls.add_impulses = [](void* l, contact_part p, plain_vector<vec3>& to,
+                            plain_vector<char>& striking) {
+      list_at<List>(l).each_contact_of(p, [&](const auto& c) {
+        to.push_back(c.impulse());
+        striking.push_back(strikes(c));
+      });
+    };
+  calls.set = [](void* l, contact_part p, std::size_t i, const vec3& impulse) {
+    list_at<List>(l).edit(p, i, [&](auto& c) { c.load_impulse(impulse); });
+  };
+  if constexpr (requires(List & list, state & s) { list.sweep_watched(s, real()); }) {
+    calls.set_and_apply = [](void* l, std::size_t i, const vec3& impulse, state& s) {
       list_at<List>(l).edit(contact_part::interior, i, [&](auto& c) {
         const auto before = c.impulse_in_frame();
         c.load_impulse(impulse);
         c.apply(s, c.since(before));
       });
-    },
-    [](void* l, std::size_t i, const vec3& impulse, typename List::state& s) {
+    };
+    calls.set_at_boundary = [](void* l, std::size_t i, const vec3& impulse, state& s) {
       list_at<List>(l).set_at_boundary(i, impulse, s);
-    },
-    [](void* l, typename List::state& s,
-       real speed) -> const plain_vector<plain_pair<std::size_t, real>>& {
+    };
+    calls.sweep_watched = [](void* l, state& s,
+                             real speed) -> const plain_vector<plain_pair<std::size_t, real>>& {
       return list_at<List>(l).sweep_watched(s, speed);
-    },
-    [](void* l) {
+    };
+    calls.largest_correction = [](void* l) {
       real most = 0;
       list_at<List>(l).each_interior_contact([&](const auto& c) {
         if (c.target_velocity == 0)
           most = std::max(most, std::abs(static_cast<real>(c.correction_rate)));
       });
       return most;
-    }};
+    };
+  }
+  return calls;
+}();
 
 /// All lists of contacts of a tuple.
 template <class State, class Lists>

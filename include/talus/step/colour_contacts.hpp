@@ -70,7 +70,8 @@ class contact_colours {
     use_single_images(s_);
     auto&& lists = solver_lists<true>(s_);
     const std::size_t kept = kept_units();
-    if (kept > 0 && others_are_the_same(lists)) return arrange_from(lists, 1);
+    s_.colours.same = kept > 0 && others_are_the_same(lists);
+    if (s_.colours.same) return arrange_from(lists, 1);
     if (kept > 0) {
       const plain_vector<std::uint32_t> before = colours_of_first(kept);
       collect(lists, kept);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <vector>
 
 #include "talus/ghosts/shared_velocities.hpp"
 #include "talus/state/state.hpp"
@@ -47,11 +48,37 @@ class coloured_velocities : public shared_velocities<Scenario> {
     });
   }
 
+  /// Whether this rank takes part in islands that may be solved exactly after the sweeps.
+  [[nodiscard]] bool find_islands() {
+    if constexpr (state_type::periodic || state_type::law::soft) return false;
+    return s_.islands.find_alike(s_.colours.all, s_.solver, s_.link->rank(), base::travelling(),
+                                 s_.colours.same);
+  }
+  /// Before each of the last two sweeps.
+  template <class Lists>
+  void note_islands(Lists& lists) {
+    s_.islands.note_alike(access_to<solver_type>(lists));
+  }
+  /// After it.
+  template <class Lists>
+  void solve_islands(Lists& lists) {
+    s_.islands.solve_alike(access_to<solver_type>(lists), s_.solver, exchange_now());
+  }
+
  private:
   using base::s_;
   using typename base::correction;
   using typename base::number;
+  using typename base::solver_type;
+  using typename base::state_type;
 
+  [[nodiscard]] auto exchange_now() {
+    return [this](std::vector<neighbour_message>& messages) {
+      const stage_clock clock(s_.seconds.exchange);
+      s_.link->start(messages);
+      s_.link->finish(messages);
+    };
+  }
   template <int Scalars, class Real, class Put>
   void start(std::uint32_t colour, Put&& put) {
     auto& m = s_.colours.of_colour[colour];

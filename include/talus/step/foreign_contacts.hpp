@@ -134,7 +134,7 @@ class foreign_contacts {
           c.a = static_cast<std::int32_t>(cones_.index_in_table(n, c.a));
           if constexpr (std::remove_cvref_t<decltype(c)>::paired)
             c.b = static_cast<std::int32_t>(cones_.index_in_table(n, c.b));
-          rows.put(c);
+          rows.put(c), rows.put(list.key(p.colour, u.part, u.first + i));
         }
       }
       ++k;
@@ -205,6 +205,7 @@ class foreign_contacts {
     known_unit unit{a, b, k, List::foreign, 0, count};
     for (std::uint32_t i = 0; i < count; ++i) {
       auto c = in.get<contact_type>();
+      const auto key = in.get<contact_key>();
       if (known) continue;
       c.a = l.received[static_cast<std::size_t>(c.a)];
       bool b_moves = false;
@@ -212,7 +213,7 @@ class foreign_contacts {
         c.b = l.received[static_cast<std::size_t>(c.b)];
         b_moves = moves(c.b);
       }
-      const std::uint32_t place = list.add_foreign(c, colour, moves(c.a), b_moves);
+      const std::uint32_t place = list.add_foreign(c, key, colour, moves(c.a), b_moves);
       if (i == 0) unit.first = place;
     }
     if (known) return;

@@ -32,6 +32,31 @@ class overloaded_clusters {
   template <class InQuestion>
   void find(const plain_vector<contact_ends>& contacts, InQuestion&& in_question,
             const plain_vector<real>& masses) {
+    part_ = 1;
+    find_those(contacts, in_question, masses, [](std::uint32_t) { return false; });
+  }
+  /// Also those that may be clusters: not all contacts of a body with is_copy(body) are here, and
+  /// the order of the contacts is not that of others who look.
+  template <class IsCopy>
+  void find_possible(const plain_vector<contact_ends>& contacts, const plain_vector<real>& masses,
+                     IsCopy&& is_copy) {
+    part_ = 1 - real(1e-9);
+    find_those(
+        contacts, [](std::size_t) { return true; }, masses, is_copy);
+  }
+  /// The number of its cluster: that of one of its bodies.
+  [[nodiscard]] std::uint32_t of(std::int32_t body) {
+    return found_ && body >= 0 && in_cluster_[at(body)] ? sets_.root(body) : none;
+  }
+  [[nodiscard]] bool found() const { return found_; }
+
+ private:
+  static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+  [[nodiscard]] real mass(std::int32_t i) const { return (*masses_)[at(i)]; }
+
+  template <class InQuestion, class IsCopy>
+  void find_those(const plain_vector<contact_ends>& contacts, InQuestion&& in_question,
+                  const plain_vector<real>& masses, IsCopy&& is_copy) {
     masses_ = &masses;
     found_ = false;
     plain_vector<char> above(masses.size(), 0);  // heavier than a body that it touches
@@ -61,26 +86,19 @@ class overloaded_clusters {
     in_cluster_.assign(masses.size(), 0);
     met_.assign(masses.size(), none);
     for (const std::uint32_t i : candidates)
-      if (is_heavy(i)) {
+      if (!is_copy(i) && is_heavy(i, is_copy)) {
         found_ = true;
         for (const std::uint32_t body : reached_) in_cluster_[body] = 1, sets_.join(i, body);
       }
   }
-  /// The number of its cluster: that of one of its bodies.
-  [[nodiscard]] std::uint32_t of(std::int32_t body) {
-    return found_ && body >= 0 && in_cluster_[at(body)] ? sets_.root(body) : none;
-  }
-  [[nodiscard]] bool found() const { return found_; }
-
- private:
-  static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-  [[nodiscard]] real mass(std::int32_t i) const { return (*masses_)[at(i)]; }
 
   /// Reaches the body and the lighter ones, as long as these together are light. Returns whether
   /// sweeps fail there.
-  bool is_heavy(std::uint32_t body) {
+  template <class IsCopy>
+  bool is_heavy(std::uint32_t body, IsCopy& is_copy) {
     const real own = (*masses_)[body];
     real light = 0;
+    bool open = false;
     std::size_t level_end = 1;
     int rows = 0;
     reached_.assign(1, body);
@@ -92,11 +110,12 @@ class overloaded_clusters {
         if (met_[other] == body || (*masses_)[other] >= own) continue;
         met_[other] = body;
         light += (*masses_)[other];
-        if (heavy * light >= own) return false;
+        if (part_ * heavy * light >= own) return false;
+        open |= is_copy(other);
         reached_.push_back(other);
       }
     }
-    return own * rows * rows > most_sweeps * light;
+    return open || own * rows * rows > part_ * most_sweeps * light;
   }
 
   const plain_vector<real>* masses_ = nullptr;
@@ -106,6 +125,7 @@ class overloaded_clusters {
   plain_vector<char> in_cluster_;
   disjoint_sets sets_;
   bool found_ = false;
+  real part_ = 1;  ///< of the mass of light bodies that counts
 };
 
 }  // namespace talus::detail

@@ -1,0 +1,330 @@
+#pragma once
+// Small islands on which sweeps by colours stall, each solved as one problem, alike on any ranks.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <span>
+#include <type_traits>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "talus/constraint/solver_state.hpp"
+#include "talus/contact/key.hpp"
+#include "talus/core/bytes.hpp"
+#include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
+#include "talus/solver/contact_access.hpp"
+#include "talus/solver/direct/body_ties.hpp"
+#include "talus/solver/direct/island_parts.hpp"
+#include "talus/solver/direct/single_island.hpp"
+#include "talus/solver/direct/travelling_records.hpp"
+
+namespace talus::detail {
+
+/// After the last sweep the figures of the parts of an island on several ranks (see
+/// island_parts.hpp) travel to each of these ranks, and if sweeps may stall on the island, its
+/// bodies and contacts. Each of the ranks then solves the whole problem, in the order of ids, to
+/// the same bits. What is solved, and how, follows from the island and the last two sweeps alone,
+/// so that the ranks, where domains end, and restarts change nothing.
+template <class State>
+class exact_islands {
+  using access = contact_access<State>;
+  using parts_type = island_parts<State>;
+  using found = typename parts_type::found;
+  using number = typename State::number;
+
+ public:
+  /// Before the sweeps; `travelling` holds, for each other rank, the copies here of its bodies.
+  /// `same`: bodies and pairs are those of the last step. Returns whether any island may be solved.
+  bool find(const colouring& pairs, const State& s, int rank,
+            std::span<const travelling_bodies> travelling, bool same) {
+    if (s.fall == vec3(0, 0, 0) || (same && nothing_)) return false;
+    plain_vector<int> owner(s.bodies.size(), rank);
+    for (const travelling_bodies& other : travelling)
+      for (const std::uint32_t i : other.received) owner[i] = other.rank;
+    parts_.find(pairs, s, rank, std::move(owner));
+    nothing_ = parts_.all().empty() && travelling.empty();
+    return !parts_.all().empty() || !parts_.ranks().empty();
+  }
+  /// Before each of the last two sweeps.
+  void note_impulses(std::span<const access> lists) { parts_.note_impulses(lists); }
+
+  /// After the last sweep, when own bodies have their velocities. `exchange(messages)` sends
+  /// messages to ranks and receives theirs.
+  template <class Exchange>
+  void solve(std::span<const access> lists, State& s, Exchange&& exchange) {
+    // A smaller change is irrelevant, or is round-off.
+    constexpr real precision = std::is_same_v<number, real> ? 1e-9 : 1e-5;
+    parts_.find_changes(lists, s);
+    share_figures(exchange);
+    const real speed = s.fall.norm();
+    std::map<system_id, const island*> active;  // by the name of the own part
+    std::map<system_id, island> islands;        // by the least name
+    for (const found& part : parts_.all()) {
+      if (part.ranks.empty() && !part.about.figures.may_stall(speed, precision)) continue;
+      const island& one = island_of(part.about.name);
+      if (!one.whole || !one.all.may_stall(speed, precision)) continue;
+      const system_id first = one.names[0];
+      active[part.about.name] = &islands.emplace(first, one).first->second;
+    }
+    share_problems(lists, s, active, exchange);
+    std::map<system_id, single_island> solved;
+    for (const auto& [first, one] : islands) {
+      single_island problem;
+      for (const system_id name : one.names) problem.add(problems_.all.at(name));
+      if (!problem.solve(s.fall, one.all, precision)) continue;
+      solved.emplace(first, std::move(problem));
+      if (active.contains(first)) s.islands.solved();  // counts on one of its ranks
+    }
+    for (found& part : parts_.all()) {
+      const auto at = active.find(part.about.name);
+      if (at == active.end()) continue;
+      const auto result = solved.find(at->second->names[0]);
+      if (result != solved.end()) take(part, result->second, lists, s);
+    }
+    // The position correction looks at the impulses of the contacts of other ranks, too.
+    if (!solved.empty())
+      for (const access& list : lists)
+        for (std::size_t i = 0; i < list.size(contact_part::foreign); ++i)
+          for (const auto& [first, one] : solved)
+            if (const vec3* impulse = one.find_impulse(list.key(contact_part::foreign, i)))
+              list.set(contact_part::foreign, i, *impulse);
+  }
+
+ private:
+  struct island {
+    std::vector<system_id> names;  ///< of its parts, ascending
+    stalled_figures all;           ///< of all of them
+    bool whole = true;             ///< all of them are known
+  };
+
+  /// A part that is known, and the parts that it touches as far as these are.
+  struct known_part {
+    island_part about;
+    plain_vector<system_id> touching;
+    bool open = true;  ///< it touches others, too
+  };
+
+  /// The parts that are known to form an island with an own one.
+  [[nodiscard]] const island& island_of(system_id name) {
+    resolve();
+    const auto [at, is_new] = islands_.try_emplace(name);
+    if (is_new) at->second = island_among(name, nullptr);
+    return at->second;
+  }
+  /// Whether the islands of these parts are whole, or left out, if only these are known.
+  [[nodiscard]] bool are_whole(const std::set<system_id>& names) {
+    resolve();
+    bool whole = true, left_out = false;
+    for (const system_id name : names) {
+      const known_part& part = known_.at(name);
+      left_out |= part.about.figures.left_out;
+      whole = whole && !part.open &&
+              std::all_of(part.touching.begin(), part.touching.end(),
+                          [&](system_id other) { return names.contains(other); });
+    }
+    if (whole || !left_out) return whole;
+    return std::all_of(names.begin(), names.end(), [&](system_id name) {
+      const island one = island_among(name, &names);
+      return one.whole || one.all.left_out;
+    });
+  }
+  [[nodiscard]] island island_among(system_id name, const std::set<system_id>* only) const {
+    island one;
+    one.names.push_back(name);
+    for (std::size_t n = 0; n < one.names.size(); ++n) {
+      const known_part& part = known_.at(one.names[n]);
+      one.all.add(part.about.figures);
+      one.whole = one.whole && !part.open;
+      for (const system_id other : part.touching)
+        if (only != nullptr && !only->contains(other))
+          one.whole = false;
+        else if (std::find(one.names.begin(), one.names.end(), other) == one.names.end())
+          one.names.push_back(other);
+    }
+    std::sort(one.names.begin(), one.names.end());
+    return one;
+  }
+  /// Finds what the known parts touch, if more are known than before.
+  void resolve() {
+    if (!std::exchange(unresolved_, false)) return;
+    islands_.clear();
+    for (auto& [name, part] : known_) {
+      if (!std::exchange(part.open, false)) continue;
+      part.touching.clear();
+      for (const auto& [own, other] : part.about.ties) {
+        const auto at = part_of_.find(value_of(other));
+        if (at == part_of_.end())
+          part.open = true;
+        else if (std::find(part.touching.begin(), part.touching.end(), at->second) ==
+                 part.touching.end())
+          part.touching.push_back(at->second);
+      }
+    }
+  }
+  void enter(const island_part& part) {
+    part_of_[value_of(part.name)] = part.name;
+    for (const auto& [own, other] : part.ties) part_of_[value_of(own)] = part.name;
+    known_[part.name] = {part, {}};
+    unresolved_ = true;
+  }
+  static byte_buffer packed(const island_part& part) {
+    byte_buffer bytes;
+    byte_writer out(bytes);
+    out.put(part.name), out.put(part.figures);
+    for (const auto& tie : part.ties) out.put(tie);
+    return bytes;
+  }
+  static island_part unpacked(const byte_buffer& bytes) {
+    byte_reader in(bytes);
+    island_part part;
+    part.name = in.get<system_id>();
+    part.figures = in.get<stalled_figures>();
+    while (!in.empty()) part.ties.push_back(in.get<plain_pair<system_id, system_id>>());
+    return part;
+  }
+  /// A body of a part that is too large, in place of that part.
+  static island_part large_part(system_id body) {
+    island_part part;
+    part.name = body, part.figures.left_out = true;
+    return part;
+  }
+
+  template <class Exchange>
+  void share_figures(Exchange& exchange) {
+    const plain_vector<int>& ranks = parts_.ranks();
+    known_.clear(), part_of_.clear(), figures_.clear();
+    if (ranks.empty()) {
+      for (const found& part : parts_.all()) known_[part.about.name] = {part.about, {}};
+      unresolved_ = true;
+      return;
+    }
+    for (const found& part : parts_.all()) {
+      enter(part.about);
+      if (!part.ranks.empty()) figures_.all[part.about.name] = packed(part.about);
+    }
+    figures_.lines.resize(ranks.size());
+    for (std::size_t n = 0; n < ranks.size(); ++n) figures_.lines[n].rank = ranks[n];
+    std::vector<std::set<system_id>> asked(ranks.size());  // bodies of large parts
+    figures_.exchange_all(
+        [&](std::size_t n, auto&& f) {
+          each_on_line(ranks[n], [&](const found& part) {
+            for (const system_id name : island_of(part.about.name).names) f(name);
+          });
+          for (const system_id body : asked[n]) f(body);
+        },
+        [&](std::size_t n) { return are_whole(figures_.lines[n].sent); },
+        [&](system_id, const byte_buffer& bytes, std::size_t n) {
+          const island_part part = unpacked(bytes);
+          enter(part);
+          for (const auto& [own, other] : part.ties)
+            if (std::binary_search(parts_.large().begin(), parts_.large().end(), other)) {
+              asked[n].insert(other);
+              enter(large_part(other));
+              figures_.all.emplace(other, packed(large_part(other)));
+            }
+        },
+        exchange);
+  }
+  template <class Exchange>
+  void share_problems(std::span<const access> lists, const State& s,
+                      const std::map<system_id, const island*>& active, Exchange& exchange) {
+    problems_.clear();
+    std::map<system_id, std::vector<system_id>> names;
+    for (found& part : parts_.all())
+      if (const auto at = active.find(part.about.name); at != active.end()) {
+        parts_.collect(part, lists, s);
+        problems_.all[part.about.name] = problem_of(part, lists, s);
+        names[part.about.name] = at->second->names;
+      }
+    share(problems_, names, exchange);
+  }
+  /// Shares a record of each part of some islands, which all their ranks name alike; `names` holds
+  /// the parts of the island of each own part.
+  template <class Exchange>
+  void share(travelling_records& records, const std::map<system_id, std::vector<system_id>>& names,
+             Exchange& exchange) {
+    std::set<int> ranks;
+    for (const found& part : parts_.all())
+      if (names.contains(part.about.name)) ranks.insert(part.ranks.begin(), part.ranks.end());
+    for (const int rank : ranks) records.lines.push_back({.rank = rank, .open = true, .sent = {}});
+    const auto each_name = [&](std::size_t n, auto&& f) {
+      each_on_line(records.lines[n].rank, [&](const found& part) {
+        if (const auto at = names.find(part.about.name); at != names.end())
+          for (const system_id name : at->second) f(name);
+      });
+    };
+    records.exchange_all(
+        each_name,
+        [&](std::size_t n) {
+          bool complete = true;
+          each_name(n, [&](system_id name) { complete &= records.lines[n].sent.contains(name); });
+          return complete;
+        },
+        [](system_id, const byte_buffer&, std::size_t) {}, exchange);
+  }
+  /// Calls f(part) for the parts that touch bodies of a rank.
+  template <class F>
+  void each_on_line(int rank, F&& f) {
+    for (const found& part : parts_.all())
+      if (std::find(part.ranks.begin(), part.ranks.end(), rank) != part.ranks.end()) f(part);
+  }
+  byte_buffer problem_of(const found& part, std::span<const access> lists, const State& s) const {
+    byte_buffer bytes;
+    byte_writer out(bytes);
+    out.put(part.bodies.size());
+    for (const auto& [id, body] : part.bodies) {
+      const auto i = static_cast<std::size_t>(body);
+      const auto& b = s.bodies[i];
+      island_body one{id, {v_of(b), real(b.inverse_mass), w_of(b), real(b.inverse_inertia)}};
+      one.has_tensor = s.has_tensor(i);
+      if (one.has_tensor) one.tensor = s.tensor(i);
+      out.put(one);
+    }
+    for (const auto& m : part.members) {
+      keyed_contact one{lists[m.list].key(m.part, m.index), lists[m.list].contact(m.part, m.index)};
+      island_contact& c = one.contact;
+      if (!m.counts) continue;
+      vec3 u{0, 0, 0};  // an immovable body may carry others along
+      const auto enter = [&](std::int32_t body, const vec3& arm, real sign) {
+        if (body < 0) return false;
+        const auto& b = s.bodies[static_cast<std::size_t>(body)];
+        if (b.inverse_mass != 0) return true;
+        u += sign * (v_of(b) + w_of(b).cross(arm));
+        return false;
+      };
+      one.a_moves = enter(c.a, c.arm_a, 1), one.b_moves = enter(c.b, c.arm_b, -1);
+      u = c.axes * u;
+      c.target_velocity -= u[0];
+      c.drive = {c.drive[0] + u[1], c.drive[1] + u[2]};
+      out.put(one);
+    }
+    return bytes;
+  }
+  /// Takes the impulses of the contacts and the velocities of the bodies of a part.
+  void take(const found& part, const single_island& solved, std::span<const access> lists,
+            State& s) const {
+    for (const auto& m : part.members)
+      lists[m.list].set(m.part, m.index, *solved.find_impulse(lists[m.list].key(m.part, m.index)));
+    const auto move = [&](system_id id, std::int32_t body) {
+      const solver_body& now = solved.body(id);
+      auto& b = s.bodies[static_cast<std::size_t>(body)];
+      b.v = in_scalar<number>(now.v), b.w = in_scalar<number>(now.w);
+    };
+    for (const auto& [id, body] : part.bodies) move(id, body);
+    for (const auto& [id, body] : part.copies) move(id, body);
+  }
+
+  parts_type parts_;
+  bool nothing_ = false;  ///< no part was found, and there are no other ranks
+  std::map<system_id, known_part> known_;
+  bool unresolved_ = false;                               ///< what the known parts touch
+  std::map<system_id, island> islands_;                   ///< of own parts
+  std::unordered_map<std::uint64_t, system_id> part_of_;  ///< of a body with ties
+  travelling_records figures_, problems_;
+};
+
+}  // namespace talus::detail
