@@ -466,7 +466,7 @@ class isotropic_blocks {
     std::fill_n(x.a, lanes, first.a);
     std::fill_n(x.b, lanes, first.b);
   }
-  void put(std::size_t at, std::size_t l, const Contact& c) {
+  [[gnu::always_inline]] void put(std::size_t at, std::size_t l, const Contact& c) {
     block& x = blocks_[at];
     x.put(l, c);
     x.a[l] = c.a, x.b[l] = c.b;

@@ -8,6 +8,7 @@
 #include "talus/constraint/body_groups.hpp"
 #include "talus/constraint/impact_stage.hpp"
 #include "talus/constraint/island_budget.hpp"
+#include "talus/constraint/island_limits.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
 
@@ -116,6 +117,7 @@ struct solver_state_of {
   impact_stage stage = impact_stage::none;
   bool impacts_ended = false;  ///< impulses of contacts contain those that are held
   island_budget islands;
+  island_limits limits;
   body_groups groups;
   plain_vector<std::uint32_t> gathered;  ///< bodies whose islands one rank solves for several
   plain_vector<std::uint32_t> jointed;   ///< bodies whose joints are solved all at once

@@ -3,7 +3,6 @@
 // contacts connect.
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -34,14 +33,27 @@ class disjoint_sets {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
+  /// One step towards it: the number itself after shorten(), until sets are joined.
+  [[nodiscard]] std::uint32_t parent(std::size_t i) const { return parent_[i]; }
   /// Shortens all paths to one step, if join() had no order of its own.
   void shorten() {
     for (std::uint32_t& parent : parent_) parent = parent_[parent];  // roots come first
   }
-  /// Joins the sets of a and b. The root that comes first represents both: the lowest number of a
-  /// set, unless `before` says otherwise.
-  template <class Number, class Before = std::less<>>
-  void join(Number a, Number b, Before&& before = {}) {
+  /// Joins the sets of a and b. The lowest number of a set represents it: each number follows its
+  /// parent (the algorithm of Rem with splicing; Patwary, Blair, Manne 2010).
+  template <class Number>
+  void join(Number of_a, Number of_b) {
+    auto a = static_cast<std::uint32_t>(of_a), b = static_cast<std::uint32_t>(of_b);
+    while (parent_[a] != parent_[b]) {
+      if (parent_[a] < parent_[b]) std::swap(a, b);
+      const std::uint32_t next = std::exchange(parent_[a], parent_[b]);
+      if (next == a) return;
+      a = next;
+    }
+  }
+  /// The root that comes first, as `before` says, represents both.
+  template <class Number, class Before>
+  void join(Number a, Number b, Before&& before) {
     std::uint32_t first = root(a), other = root(b);
     if (first == other) return;
     if (before(other, first)) std::swap(first, other);

@@ -269,13 +269,12 @@ class shared_velocities {
 
   state_type& s_;
 
+ private:
   [[nodiscard]] std::vector<travelling_bodies> travelling() const {
     std::vector<travelling_bodies> all;
     for (const auto& other : s_.travelling) all.push_back({other.rank, other.sent, other.received});
     return all;
   }
-
- private:
   template <int Scalars, class Real, class Put, class Get>
   void exchange(Put&& put, Get&& get) {
     start<Scalars, Real>(put);

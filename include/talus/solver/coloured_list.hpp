@@ -250,12 +250,15 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
         }
     }
   }
-  /// Calls f(contact) for each contact.
+  /// Calls f(row, place) for the contacts of these numbers, which ascend.
   template <class F>
-  void each_contact_of(contact_part p, F&& f) const {
-    for (std::size_t k = 0; k < used_; ++k) {
+  void each_numbered(contact_part p, std::span<const std::uint32_t> numbers, F&& f) const {
+    std::size_t before = 0, n = 0;
+    for (std::size_t k = 0; k < used_ && n < numbers.size(); ++k) {
       const auto& row = colours_[k].parts[number(p)].row;
-      for (std::size_t i = 0; i < row.size(); ++i) f(row[i]);
+      for (; n < numbers.size() && numbers[n] - before < row.size(); ++n)
+        f(row, numbers[n] - before);
+      before += row.size();
     }
   }
   [[nodiscard]] const contact_key& key(contact_part p, std::size_t i) const {

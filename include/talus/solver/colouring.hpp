@@ -11,6 +11,7 @@
 
 #include "talus/contact/key.hpp"
 #include "talus/core/bytes.hpp"
+#include "talus/core/disjoint_sets.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/solver/colour_sets.hpp"
@@ -61,7 +62,10 @@ class colouring {
 
   /// Begins with the first `kept` units of the last time, if these are alone: without lines.
   void start(std::size_t bodies, std::size_t kept = 0);
-  void add(const contact_unit& unit) { units_.push_back(unit); }
+  void add(const contact_unit& unit) {
+    units_.push_back(unit);
+    join(unit);
+  }
 
   /// `exchange(first)` sends `out` of all connections (if `first`) or of the open ones, and fills
   /// `in`. Throws runtime_error if neighbours do not have the same contacts.
@@ -82,6 +86,11 @@ class colouring {
   [[nodiscard]] std::size_t size() const { return units_.size(); }
   [[nodiscard]] const contact_unit& unit(std::size_t n) const { return units_[n]; }
   [[nodiscard]] std::uint32_t colour_of(std::size_t n) const { return colour_of_[n]; }
+  [[nodiscard]] std::span<const std::uint32_t> colours_of_units() const { return colour_of_; }
+  /// The bodies of this rank that units connect: each body, but for shorten(), may follow others.
+  [[nodiscard]] disjoint_sets& islands() { return islands_; }
+  /// The number of units of each body; one between two bodies of this rank counts for one of both.
+  [[nodiscard]] const plain_vector<std::uint32_t>& units_of_bodies() const { return units_of_; }
   [[nodiscard]] std::size_t bytes() const;
 
  private:
@@ -91,6 +100,12 @@ class colouring {
     std::vector<std::uint64_t> colours;
   };
 
+  /// Units of one body a mostly follow each other: to count them for b is faster.
+  void join(const contact_unit& u) {
+    const bool joins = u.b >= 0 && u.line < 0;
+    if (joins) islands_.join(u.a, u.b);
+    ++units_of_[static_cast<std::size_t>(joins ? u.b : u.a)];
+  }
   static bool comes_before(const contact_unit& x, const contact_unit& y);
   /// By priority: into buckets by its first bits, few in each, and then by insertion.
   void sort();
@@ -133,6 +148,8 @@ class colouring {
   void schedule(colour_line& l);
 
   plain_vector<contact_unit> units_;
+  disjoint_sets islands_;
+  plain_vector<std::uint32_t> units_of_;
   plain_vector<std::uint32_t> order_, starts_, colour_of_, remaining_, number_, waits_;
   std::vector<taken_there> there_;  ///< of the units across connections
   colour_sets sets_;

@@ -7,7 +7,9 @@ namespace talus::detail {
 
 TALUS_INLINE void colouring::start(std::size_t bodies, std::size_t kept) {
   units_.resize(kept);
-  sets_.reset(bodies);
+  sets_.reset(bodies), islands_.reset(bodies);
+  units_of_.assign(bodies, 0);
+  for (const contact_unit& u : units_) join(u);
   colours_ = 0;
   for (colour_line& l : lines) {
     l.units.clear(), l.out.clear(), l.in.clear();
@@ -16,7 +18,8 @@ TALUS_INLINE void colouring::start(std::size_t bodies, std::size_t kept) {
 }
 
 TALUS_INLINE std::size_t colouring::bytes() const {
-  return units_.capacity() * sizeof(contact_unit) +
+  return units_.capacity() * sizeof(contact_unit) + islands_.bytes() +
+         units_of_.capacity() * sizeof(std::uint32_t) +
          (order_.capacity() + starts_.capacity() + colour_of_.capacity()) * sizeof(std::uint32_t);
 }
 
@@ -27,7 +30,7 @@ TALUS_INLINE bool colouring::comes_before(const contact_unit& x, const contact_u
 }
 
 TALUS_INLINE void colouring::sort() {
-  const int bits = std::min(16, static_cast<int>(std::bit_width(units_.size())) + 1);
+  const int bits = std::min(16, static_cast<int>(std::bit_width(units_.size())));
   const auto bucket = [&](const contact_unit& u) {
     return static_cast<std::size_t>(u.priority >> (64 - bits));
   };

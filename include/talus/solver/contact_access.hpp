@@ -35,7 +35,8 @@ struct contact_calls {
   void (*add_ends)(void*, contact_part, plain_vector<contact_ends>&);
   const contact_key& (*key)(void*, contact_part, std::size_t);
   island_contact (*contact)(void*, contact_part, std::size_t);
-  void (*add_impulses)(void*, contact_part, plain_vector<vec3>&, plain_vector<char>&);
+  void (*add_impulses)(void*, contact_part, std::span<const std::uint32_t>, plain_vector<vec3>&);
+  void (*add_strikes)(void*, contact_part, std::span<const std::uint32_t>, plain_vector<char>&);
   void (*set)(void*, contact_part, std::size_t, const vec3&);
   void (*set_and_apply)(void*, std::size_t, const vec3&, State&);
   void (*set_at_boundary)(void*, std::size_t, const vec3&, State&);
@@ -67,9 +68,15 @@ class contact_access {
   [[nodiscard]] island_contact contact(contact_part p, std::size_t i) const {
     return calls_->contact(list_, p, i);
   }
-  /// Appends the impulse of each contact on a, in the world, and whether it strikes.
-  void add_impulses(contact_part p, plain_vector<vec3>& to, plain_vector<char>& striking) const {
-    calls_->add_impulses(list_, p, to, striking);
+  /// Appends the impulses of the contacts of these numbers on a, in the world. The numbers ascend.
+  void add_impulses(contact_part p, std::span<const std::uint32_t> numbers,
+                    plain_vector<vec3>& to) const {
+    calls_->add_impulses(list_, p, numbers, to);
+  }
+  /// Likewise whether they strike.
+  void add_strikes(contact_part p, std::span<const std::uint32_t> numbers,
+                   plain_vector<char>& to) const {
+    calls_->add_strikes(list_, p, numbers, to);
   }
   /// Sets its impulse on a, in the world; the velocities are not changed.
   void set(contact_part p, std::size_t i, const vec3& impulse) const {
@@ -136,14 +143,22 @@ inline constexpr contact_calls<typename List::state> calls_for = [] {
     one.strikes = strikes(c);
     return one;
   };
-  if constexpr (requires(List & list) { list.each_contact_of({}, [](const auto&) {}); })
-    calls.add_impulses = [](void* l, contact_part p, plain_vector<vec3>& to,
-                            plain_vector<char>& striking) {
-      list_at<List>(l).each_contact_of(p, [&](const auto& c) {
-        to.push_back(c.impulse());
-        striking.push_back(strikes(c));
+  if constexpr (requires(List & list) { list.each_numbered({}, {}, [](auto&, std::size_t) {}); }) {
+    calls.add_impulses = [](void* l, contact_part p, std::span<const std::uint32_t> numbers,
+                            plain_vector<vec3>& to) {
+      list_at<List>(l).each_numbered(p, numbers, [&](const auto& row, std::size_t i) {
+        if constexpr (requires { row.impulse(i); })
+          to.push_back(row.impulse(i));
+        else
+          to.push_back(row[i].impulse());
       });
     };
+    calls.add_strikes = [](void* l, contact_part p, std::span<const std::uint32_t> numbers,
+                           plain_vector<char>& to) {
+      list_at<List>(l).each_numbered(
+          p, numbers, [&](const auto& row, std::size_t i) { to.push_back(strikes(row[i])); });
+    };
+  }
   calls.set = [](void* l, contact_part p, std::size_t i, const vec3& impulse) {
     list_at<List>(l).edit(p, i, [&](auto& c) { c.load_impulse(impulse); });
   };

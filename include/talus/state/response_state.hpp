@@ -110,7 +110,6 @@ struct velocities_by_colour {
 struct shared_colours {
   colouring all;
   plain_vector<std::size_t> ends;  ///< of the lists, among the units of `all`
-  bool same = false;               ///< the units are those of the last step
   dependence_cones cones;
   std::vector<velocities_by_colour> lines;  ///< one for each neighbour
   /// The messages of a colour: one to each neighbour whose velocities travel before that colour,

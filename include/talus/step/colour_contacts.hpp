@@ -70,8 +70,7 @@ class contact_colours {
     use_single_images(s_);
     auto&& lists = solver_lists<true>(s_);
     const std::size_t kept = kept_units();
-    s_.colours.same = kept > 0 && others_are_the_same(lists);
-    if (s_.colours.same) return arrange_from(lists, 1);
+    if (kept > 0 && others_are_the_same(lists)) return arrange_from(lists, 1);
     if (kept > 0) {
       const plain_vector<std::uint32_t> before = colours_of_first(kept);
       collect(lists, kept);
@@ -98,9 +97,7 @@ class contact_colours {
     return 0;
   }
   [[nodiscard]] plain_vector<std::uint32_t> colours_of_first(std::size_t kept) const {
-    plain_vector<std::uint32_t> colours;
-    for (std::size_t n = 0; n < kept; ++n) colours.push_back(all_.colour_of(n));
-    return colours;
+    return plain_vector<std::uint32_t>(all_.colours_of_units().first(kept));
   }
   /// Whether all lists but the first one have the units of the last step.
   template <class Lists>

@@ -63,10 +63,9 @@ class direct_islands {
 
   using exchange_type = std::function<void(std::vector<neighbour_message>&)>;
   /// Before the sweeps; returns whether this rank takes part in any.
-  bool find_alike(const colouring& pairs, const State& s, int own,
-                  std::span<const travelling_bodies> travelling, bool same);
+  bool find_alike(colouring& pairs, const State& s);
   /// Before each of the last two sweeps.
-  void note_alike(std::span<const access> lists);
+  void note_alike(std::span<const access> lists, const State& s);
   /// After the last sweep; `exchange(messages)` sends and receives messages of neighbours.
   void solve_alike(std::span<const access> lists, State& s, const exchange_type& exchange);
 

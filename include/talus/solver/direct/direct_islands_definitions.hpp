@@ -71,13 +71,12 @@ void direct_islands<State>::solve_gathered(std::span<const access> lists, State&
   parts_->gathered.solve(lists, s, own, travelling, neighbour_messages, exchange);
 }
 template <class State>
-bool direct_islands<State>::find_alike(const colouring& pairs, const State& s, int own,
-                                       std::span<const travelling_bodies> travelling, bool same) {
-  return parts_->alike.find(pairs, s, own, travelling, same);
+bool direct_islands<State>::find_alike(colouring& pairs, const State& s) {
+  return parts_->alike.find(pairs, s);
 }
 template <class State>
-void direct_islands<State>::note_alike(std::span<const access> lists) {
-  parts_->alike.note_impulses(lists);
+void direct_islands<State>::note_alike(std::span<const access> lists, const State& s) {
+  parts_->alike.note_impulses(lists, s);
 }
 template <class State>
 void direct_islands<State>::solve_alike(std::span<const access> lists, State& s,

@@ -17,7 +17,6 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/solver/contact_access.hpp"
-#include "talus/solver/direct/body_ties.hpp"
 #include "talus/solver/direct/island_parts.hpp"
 #include "talus/solver/direct/single_island.hpp"
 #include "talus/solver/direct/travelling_records.hpp"
@@ -37,20 +36,16 @@ class exact_islands {
   using number = typename State::number;
 
  public:
-  /// Before the sweeps; `travelling` holds, for each other rank, the copies here of its bodies.
-  /// `same`: bodies and pairs are those of the last step. Returns whether any island may be solved.
-  bool find(const colouring& pairs, const State& s, int rank,
-            std::span<const travelling_bodies> travelling, bool same) {
-    if (s.fall == vec3(0, 0, 0) || (same && nothing_)) return false;
-    plain_vector<int> owner(s.bodies.size(), rank);
-    for (const travelling_bodies& other : travelling)
-      for (const std::uint32_t i : other.received) owner[i] = other.rank;
-    parts_.find(pairs, s, rank, std::move(owner));
-    nothing_ = parts_.all().empty() && travelling.empty();
+  /// Before the sweeps; see island_parts. Returns whether any island may be solved.
+  bool find(colouring& pairs, const State& s) {
+    if (s.fall == vec3(0, 0, 0)) return false;
+    parts_.find(pairs, s);
     return !parts_.all().empty() || !parts_.ranks().empty();
   }
   /// Before each of the last two sweeps.
-  void note_impulses(std::span<const access> lists) { parts_.note_impulses(lists); }
+  void note_impulses(std::span<const access> lists, const State& s) {
+    parts_.note_impulses(lists, s);
+  }
 
   /// After the last sweep, when own bodies have their velocities. `exchange(messages)` sends
   /// messages to ranks and receives theirs.
@@ -58,15 +53,15 @@ class exact_islands {
   void solve(std::span<const access> lists, State& s, Exchange&& exchange) {
     // A smaller change is irrelevant, or is round-off.
     constexpr real precision = std::is_same_v<number, real> ? 1e-9 : 1e-5;
-    parts_.find_changes(lists, s);
+    parts_.find_changes(lists);
     share_figures(exchange);
     const real speed = s.fall.norm();
     std::map<system_id, const island*> active;  // by the name of the own part
     std::map<system_id, island> islands;        // by the least name
     for (const found& part : parts_.all()) {
-      if (part.ranks.empty() && !part.about.figures.may_stall(speed, precision)) continue;
+      if (part.ranks.empty() && !part.about.figures.may_stall(speed, precision, s.limits)) continue;
       const island& one = island_of(part.about.name);
-      if (!one.whole || !one.all.may_stall(speed, precision)) continue;
+      if (!one.whole || !one.all.may_stall(speed, precision, s.limits)) continue;
       const system_id first = one.names[0];
       active[part.about.name] = &islands.emplace(first, one).first->second;
     }
@@ -75,7 +70,7 @@ class exact_islands {
     for (const auto& [first, one] : islands) {
       single_island problem;
       for (const system_id name : one.names) problem.add(problems_.all.at(name));
-      if (!problem.solve(s.fall, one.all, precision)) continue;
+      if (!problem.solve(s.fall, one.all, precision, s.limits)) continue;
       solved.emplace(first, std::move(problem));
       if (active.contains(first)) s.islands.solved();  // counts on one of its ranks
     }
@@ -236,7 +231,7 @@ class exact_islands {
     std::map<system_id, std::vector<system_id>> names;
     for (found& part : parts_.all())
       if (const auto at = active.find(part.about.name); at != active.end()) {
-        parts_.collect(part, lists, s);
+        parts_.collect(part, lists);
         problems_.all[part.about.name] = problem_of(part, lists, s);
         names[part.about.name] = at->second->names;
       }
@@ -284,10 +279,10 @@ class exact_islands {
       if (one.has_tensor) one.tensor = s.tensor(i);
       out.put(one);
     }
-    for (const auto& m : part.members) {
+    parts_.each_member(part, [&](const auto& m) {
       keyed_contact one{lists[m.list].key(m.part, m.index), lists[m.list].contact(m.part, m.index)};
       island_contact& c = one.contact;
-      if (!m.counts) continue;
+      if (!m.counts) return;
       vec3 u{0, 0, 0};  // an immovable body may carry others along
       const auto enter = [&](std::int32_t body, const vec3& arm, real sign) {
         if (body < 0) return false;
@@ -301,14 +296,15 @@ class exact_islands {
       c.target_velocity -= u[0];
       c.drive = {c.drive[0] + u[1], c.drive[1] + u[2]};
       out.put(one);
-    }
+    });
     return bytes;
   }
   /// Takes the impulses of the contacts and the velocities of the bodies of a part.
   void take(const found& part, const single_island& solved, std::span<const access> lists,
             State& s) const {
-    for (const auto& m : part.members)
+    parts_.each_member(part, [&](const auto& m) {
       lists[m.list].set(m.part, m.index, *solved.find_impulse(lists[m.list].key(m.part, m.index)));
+    });
     const auto move = [&](system_id id, std::int32_t body) {
       const solver_body& now = solved.body(id);
       auto& b = s.bodies[static_cast<std::size_t>(body)];
@@ -319,7 +315,6 @@ class exact_islands {
   }
 
   parts_type parts_;
-  bool nothing_ = false;  ///< no part was found, and there are no other ranks
   std::map<system_id, known_part> known_;
   bool unresolved_ = false;                               ///< what the known parts touch
   std::map<system_id, island> islands_;                   ///< of own parts

@@ -3,19 +3,16 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
-#include <utility>
 #include <vector>
 
-#include "talus/core/disjoint_sets.hpp"
 #include "talus/core/id.hpp"
 #include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/solver/colouring.hpp"
 #include "talus/solver/contact_access.hpp"
-#include "talus/solver/direct/clusters.hpp"
+#include "talus/solver/direct/contact_groups.hpp"
 #include "talus/solver/direct/stalled_figures.hpp"
 
 namespace talus::detail {
@@ -29,83 +26,61 @@ struct island_part {
   plain_vector<plain_pair<system_id, system_id>> ties;
 };
 
-/// Finds the parts of this rank whose islands may be solved.
+/// Finds the parts of this rank whose islands may be solved, and their contacts.
 template <class State>
 class island_parts {
   using access = contact_access<State>;
 
  public:
   struct member {
-    std::uint32_t list;
+    std::uint32_t list, index;
     contact_part part;
-    std::uint32_t index;
-    bool counts;  ///< here, and not on another rank
+    bool counts;        ///< here, and not on another rank
+    std::uint32_t of;   ///< the number of its part
+    std::int32_t a, b;  ///< its bodies
+    real inverse_mass;  ///< the sum of both
   };
   struct found {
     island_part about;
     plain_vector<int> ranks;  ///< the owners of the bodies that own ones touch
     // After collect():
-    plain_vector<member> members;                              ///< also those that count elsewhere
     plain_vector<plain_pair<system_id, std::int32_t>> bodies;  ///< own ones, by their ids
     plain_vector<plain_pair<system_id, std::int32_t>> copies;  ///< the bodies that these touch
   };
 
-  /// `pairs` has the bodies that touch, `owner` the rank of each body of `s`.
-  void find(const colouring& pairs, const State& s, int rank, plain_vector<int>&& owner) {
-    all_.clear(), large_.clear(), ranks_.clear(), noted_ = 0;
-    owner_ = std::move(owner), rank_ = rank;
-    join_pairs(pairs, s);
-    for (std::size_t n = 0; n < pairs.size(); ++n) {
-      const contact_unit& u = pairs.unit(n);
-      const bool own_a = is_own(u.a, s), own_b = is_own(u.b, s);
-      if (!own_a && !own_b) continue;
-      group& of = groups_[sets_.root(own_a ? u.a : u.b)];
-      const bool tie = u.line >= 0 && moves(u.a, s) && moves(u.b, s);
-      if (tie && of.figures.contacts > stalled_figures::most_contacts)
-        large_.push_back(u.id_of_a());
-      if (!is_looked_at(of)) continue;
-      if (of.number == 0) {
-        all_.emplace_back();
-        of.number = static_cast<std::uint32_t>(all_.size());
-        all_.back().about.figures = of.figures;
-        all_.back().about.figures.contacts = 0;
-        all_.back().about.name = own_a ? u.id_of_a() : u.id_of_b();
-      }
-      found& one = all_[of.number - 1];
-      if (own_a) one.about.name = std::min(one.about.name, u.id_of_a());
-      if (own_b) one.about.name = std::min(one.about.name, u.id_of_b());
-      // Another rank may own the fixed body.
-      one.about.figures.left_out |= is_fixed(u.a, s) || is_fixed(u.b, s);
-      if (!tie) continue;
-      one.about.ties.emplace_back(u.id_of_a(), u.id_of_b());
-      one.ranks.push_back(owner_[at(u.b)]);
+  /// `pairs` has the bodies that touch.
+  void find(colouring& pairs, const State& s) {
+    noted_ = 0;
+    all_.clear(), large_.clear(), ranks_.clear();
+    groups_.find(pairs, s);
+    for (const auto& group : groups_.all()) {
+      stalled_figures& f = all_.emplace_back().about.figures;
+      f = group.figures;
+      f.contacts = 0;  // those of pairs, so far
     }
+    for (const std::uint32_t n : groups_.units()) {
+      const contact_unit& u = pairs.unit(n);
+      const std::uint32_t k = groups_.group_of(u.a);
+      if (k == groups_.none) continue;
+      system_id& name = all_[k].about.name;
+      name = std::min(name, u.id_of_a());
+      if (u.b >= 0 && u.line < 0) name = std::min(name, u.id_of_b());
+    }
+    for (const std::uint32_t n : groups_.ties()) {
+      const contact_unit& u = pairs.unit(n);
+      const int other = pairs.lines[static_cast<std::size_t>(u.line)].rank;
+      ranks_.push_back(other);
+      const std::uint32_t k = groups_.group_of(u.a);
+      if (k == groups_.none) continue;
+      all_[k].about.ties.emplace_back(u.id_of_a(), u.id_of_b());
+      all_[k].ranks.push_back(other);
+    }
+    for (const std::uint32_t n : groups_.large_ties()) large_.push_back(pairs.unit(n).id_of_a());
     sort_unique(large_), sort_unique(ranks_);
     for (found& one : all_) sort_unique(one.about.ties), sort_unique(one.ranks);
     for (const std::uint32_t i : s.jointed)
-      if (i < groups_.size())
-        if (const auto n = groups_[sets_.root(i)].number; n != 0)
-          all_[n - 1].about.figures.left_out = true;
-  }
-  /// Finds the bodies and contacts of a part.
-  void collect(found& one, std::span<const access> lists, const State& s) {
-    one.members.clear(), one.bodies.clear(), one.copies.clear();
-    plain_vector<contact_ends> ends;
-    for (std::uint32_t k = 0; k < lists.size(); ++k)
-      for (const contact_part p : {contact_part::interior, contact_part::boundary}) {
-        ends.clear();
-        lists[k].add_ends(p, ends);
-        for (std::uint32_t i = 0; i < ends.size(); ++i) {
-          const contact_ends& c = ends[i];
-          const bool own_a = is_own(c.a, s), own_b = is_own(c.b, s);
-          if ((!own_a && !own_b) || &one != &all_[groups_[root_of(c, s)].number - 1]) continue;
-          one.members.push_back({k, p, i, counts(c, s)});
-          const contact_key& key = lists[k].key(p, i);
-          if (moves(c.a, s)) (own_a ? one.bodies : one.copies).emplace_back(key.a, c.a);
-          if (moves(c.b, s)) (own_b ? one.bodies : one.copies).emplace_back(key.b, c.b);
-        }
-      }
-    sort_unique(one.bodies), sort_unique(one.copies);
+      if (const auto k = groups_.group_of(static_cast<std::int32_t>(i)); k != groups_.none)
+        all_[k].about.figures.left_out = true;
   }
   /// The ranks with bodies that own ones touch.
   [[nodiscard]] const plain_vector<int>& ranks() const { return ranks_; }
@@ -114,172 +89,102 @@ class island_parts {
   [[nodiscard]] const plain_vector<system_id>& large() const { return large_; }
 
   /// Before each of the last sweeps.
-  void note_impulses(std::span<const access> lists) {
+  void note_impulses(std::span<const access> lists, const State& s) {
     if (all_.empty()) return;
+    if (noted_ == 0) find_members(lists, s);
     std::swap(before_, last_);
     note(lists, last_);
     ++noted_;
   }
   /// After them: the contacts of each part, and the largest changes of velocity there in the last
   /// two; infinite if an impact rebounds, or if they are unknown.
-  void find_changes(std::span<const access> lists, const State& s) {
+  void find_changes(std::span<const access> lists) {
     if (all_.empty()) return;
     note(lists, now_);
+    striking_.clear();
+    each_list(lists, [&](const access& list, contact_part p, const auto& numbers) {
+      list.add_strikes(p, numbers, striking_);
+    });
     for (found& one : all_)
       one.about.figures.change_before = noted_ < 2 ? stalled_figures::unknown : 0;
-    plain_vector<contact_ends> ends;
-    std::size_t n = 0;
-    for (const access& list : lists)
-      for (const contact_part p : {contact_part::interior, contact_part::boundary}) {
-        ends.clear();
-        list.add_ends(p, ends);
-        for (const contact_ends& c : ends) {
-          const std::size_t k = n++;
-          if (!is_own(c.a, s) && !is_own(c.b, s)) continue;
-          const std::uint32_t number = groups_[root_of(c, s)].number;
-          if (number == 0) continue;
-          stalled_figures& f = all_[number - 1].about.figures;
-          if (counts(c, s)) ++f.contacts;
-          if (striking_[k] != 0) f.change = stalled_figures::unknown;
-          const real both = inverse_mass(c.a, s) + inverse_mass(c.b, s);
-          f.change = std::max(f.change, (now_[k] - last_[k]).norm() * both);
-          if (noted_ >= 2)
-            f.change_before = std::max(f.change_before, (last_[k] - before_[k]).norm() * both);
-        }
-      }
+    for (std::size_t k = 0; k < members_.size(); ++k) {
+      const member& m = members_[k];
+      stalled_figures& f = all_[m.of].about.figures;
+      if (m.counts) ++f.contacts;
+      if (striking_[k] != 0) f.change = stalled_figures::unknown;
+      f.change = std::max(f.change, (now_[k] - last_[k]).norm() * m.inverse_mass);
+      if (noted_ >= 2)
+        f.change_before =
+            std::max(f.change_before, (last_[k] - before_[k]).norm() * m.inverse_mass);
+    }
+  }
+  /// Calls f(member) for the contacts of a part, also those that count elsewhere.
+  template <class F>
+  void each_member(const found& one, F&& f) const {
+    const auto k = static_cast<std::size_t>(&one - all_.data());
+    for (std::size_t n = first_[k]; n < first_[k + 1]; ++n) f(members_[order_[n]]);
+  }
+  /// Finds the bodies of a part.
+  void collect(found& one, std::span<const access> lists) {
+    one.bodies.clear(), one.copies.clear();
+    each_member(one, [&](const member& m) {
+      const contact_key& key = lists[m.list].key(m.part, m.index);
+      const auto enter = [&](system_id id, std::int32_t body) {
+        if (body >= 0)
+          (groups_.group_of(body) == m.of ? one.bodies : one.copies).emplace_back(id, body);
+      };
+      enter(key.a, m.a), enter(key.b, m.b);
+    });
+    sort_unique(one.bodies), sort_unique(one.copies);
   }
 
  private:
-  [[nodiscard]] static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-  [[nodiscard]] static real inverse_mass(std::int32_t i, const State& s) {
-    return i < 0 ? 0 : real(s.bodies[at(i)].inverse_mass);
-  }
-  [[nodiscard]] static bool moves(std::int32_t i, const State& s) {
-    return i >= 0 && s.bodies[at(i)].inverse_mass != 0;
-  }
-  [[nodiscard]] static bool is_fixed(std::int32_t i, const State& s) {
-    return i >= 0 && at(i) < s.first_global && s.bodies[at(i)].inverse_mass == 0;
-  }
-  [[nodiscard]] bool is_own(std::int32_t i, const State& s) const {
-    return moves(i, s) && owner_[at(i)] == rank_;
-  }
-  [[nodiscard]] std::uint32_t root_of(const contact_ends& c, const State& s) const {
-    return sets_.root(is_own(c.a, s) ? c.a : c.b);
-  }
-  /// Whether a contact of own bodies counts here: on the rank of its body a, if that moves.
-  [[nodiscard]] bool counts(const contact_ends& c, const State& s) const {
-    return !moves(c.a, s) || owner_[at(c.a)] == rank_;
-  }
+  static constexpr contact_part own_parts[]{contact_part::interior, contact_part::boundary};
 
-  /// Own bodies that contacts between own bodies connect, at their root.
-  struct group {
-    std::uint32_t number = 0;  ///< of the part, from 1
-    bool tied = false;
-    stalled_figures figures;  ///< with pairs in place of contacts
-  };
-  [[nodiscard]] static bool is_looked_at(const group& g) {
-    if (g.figures.contacts > stalled_figures::most_contacts) return false;
-    if (g.tied || g.figures.overloaded) return true;
-    return g.figures.contacts <= stalled_figures::many && g.figures.may_be_narrow();
-  }
-
-  void join_pairs(const colouring& pairs, const State& s) {
-    sets_.reset(s.bodies.size());
-    groups_.assign(s.bodies.size(), {});
-    bool unequal = false;
-    for (std::size_t n = 0; n < pairs.size(); ++n) {
-      const contact_unit& u = pairs.unit(n);
-      if (!moves(u.a, s) || !moves(u.b, s)) continue;
-      if (u.line < 0)
-        sets_.join(u.a, u.b);
-      else
-        ranks_.push_back(owner_[at(u.b)]);
-      const real a = inverse_mass(u.a, s), b = inverse_mass(u.b, s);
-      unequal |= 4 * std::min(a, b) < std::max(a, b);
-    }
-    sets_.shorten();
-    for (std::size_t n = 0; n < pairs.size(); ++n) {
-      const contact_unit& u = pairs.unit(n);
-      const bool own_a = is_own(u.a, s);
-      if (!own_a && !is_own(u.b, s)) continue;
-      group& of = groups_[sets_.root(own_a ? u.a : u.b)];
-      ++of.figures.contacts;
-      of.tied |= u.line >= 0 && moves(u.a, s) && moves(u.b, s);
-    }
-    for (std::uint32_t i = 0; i < groups_.size(); ++i)
-      if (is_own(static_cast<std::int32_t>(i), s)) {
-        group& of = groups_[sets_.root(i)];
-        ++of.figures.bodies;
-        of.figures.add_mass(1 / real(s.bodies[i].inverse_mass));
-      }
-    find_rows(pairs, s);
-    if (unequal) find_overloaded(pairs, s);
-  }
-  /// Bodies in a row between any two of a group: at most twice those from one to the farthest.
-  void find_rows(const colouring& pairs, const State& s) {
-    const auto each = [&](auto&& f) {
-      for (std::size_t n = 0; n < pairs.size(); ++n) {
-        const contact_unit& u = pairs.unit(n);
-        if (u.line >= 0 || !moves(u.a, s) || !moves(u.b, s)) continue;
-        if (groups_[sets_.root(u.a)].figures.contacts <= stalled_figures::most_contacts)
-          f(at(u.a), u.b), f(at(u.b), u.a);
-      }
+  void find_members(std::span<const access> lists, const State& s) {
+    const auto inverse_mass = [&](std::int32_t i) {
+      return i < 0 ? real(0) : real(s.bodies[static_cast<std::size_t>(i)].inverse_mass);
     };
-    first_.assign(s.bodies.size() + 2, 0);
-    each([&](std::size_t body, std::int32_t) { ++first_[body + 2]; });
+    members_.clear();
+    for (std::uint32_t l = 0; l < lists.size(); ++l)
+      for (const contact_part p : own_parts) {
+        ends_.clear();
+        lists[l].add_ends(p, ends_);
+        for (std::uint32_t i = 0; i < ends_.size(); ++i) {
+          const auto [a, b] = ends_[i];
+          const std::uint32_t k = groups_.group_of(a, b);
+          if (k == groups_.none) continue;
+          const real of_a = inverse_mass(a), of_b = inverse_mass(b);
+          // It counts on the rank of its body a, if that moves.
+          const bool counts = of_a == 0 || groups_.group_of(a) == k;
+          members_.push_back(
+              {l, i, p, counts, k, of_a != 0 ? a : -1, of_b != 0 ? b : -1, of_a + of_b});
+        }
+      }
+    first_.assign(all_.size() + 2, 0);
+    for (const member& m : members_) ++first_[m.of + 2];
     for (std::size_t k = 2; k < first_.size(); ++k) first_[k] += first_[k - 1];
-    touching_.resize(first_.back());
-    each([&](std::size_t body, std::int32_t other) { touching_[first_[body + 1]++] = other; });
-    met_.assign(s.bodies.size(), 0);
-    const auto farthest = [&](std::int32_t from, std::uint32_t& levels) {
-      queue_.assign(1, from);
-      const char mark = ++met_[at(from)];
-      levels = 0;
-      for (std::size_t k = 0, end = 1; k < queue_.size(); ++k) {
-        if (k == end) end = queue_.size(), ++levels;
-        const std::size_t body = at(queue_[k]);
-        for (std::size_t e = first_[body]; e < first_[body + 1]; ++e)
-          if (met_[at(touching_[e])] != mark)
-            met_[at(touching_[e])] = mark, queue_.push_back(touching_[e]);
-      }
-      return queue_.back();
-    };
-    for (std::size_t i = 0; i < met_.size(); ++i) {
-      group& of = groups_[sets_.root(i)];
-      if (of.figures.contacts == 0 || of.figures.in_a_row != 0 ||
-          !is_own(static_cast<std::int32_t>(i), s))
-        continue;
-      std::uint32_t once = 0, again = 0;
-      const std::int32_t end = farthest(static_cast<std::int32_t>(i), once);
-      if (once > 1) (void)farthest(end, again), once = std::min(once, again);
-      of.figures.in_a_row = 2 * once + 1;
+    order_.resize(members_.size());
+    for (std::uint32_t n = 0; n < members_.size(); ++n) order_[first_[members_[n].of + 1]++] = n;
+  }
+  /// Calls f(list, part, numbers) for the members, in their order.
+  template <class F>
+  void each_list(std::span<const access> lists, F&& f) {
+    for (std::size_t k = 0; k < members_.size();) {
+      const member& first = members_[k];
+      numbers_.clear();
+      for (;
+           k < members_.size() && members_[k].list == first.list && members_[k].part == first.part;
+           ++k)
+        numbers_.push_back(members_[k].index);
+      f(lists[first.list], first.part, numbers_);
     }
   }
-  /// Clusters of heavy bodies on light ones. The owner of a heavy body sees all that it touches.
-  void find_overloaded(const colouring& pairs, const State& s) {
-    plain_vector<contact_ends> ends;
-    for (std::size_t n = 0; n < pairs.size(); ++n) {
-      const contact_unit& u = pairs.unit(n);
-      if (!moves(u.a, s) || !moves(u.b, s)) continue;
-      const std::uint32_t root = sets_.root(is_own(u.a, s) ? u.a : u.b);
-      if (groups_[root].figures.contacts <= stalled_figures::most_contacts)
-        ends.push_back({u.a, u.b});
-    }
-    plain_vector<real> masses(s.bodies.size());
-    for (std::size_t i = 0; i < masses.size(); ++i)
-      masses[i] = s.bodies[i].inverse_mass != 0 ? 1 / real(s.bodies[i].inverse_mass) : 0;
-    clusters_.find_possible(ends, masses, [&](std::uint32_t i) { return owner_[i] != rank_; });
-    for (const contact_ends& c : ends)
-      for (const std::int32_t body : {c.a, c.b})
-        if (owner_[at(body)] == rank_ && clusters_.of(body) != overloaded_clusters::none)
-          groups_[sets_.root(body)].figures.overloaded = true;
-  }
-  /// The impulses of all contacts, and whether they strike.
   void note(std::span<const access> lists, plain_vector<vec3>& impulses) {
-    impulses.clear(), striking_.clear();
-    for (const access& list : lists)
-      for (const contact_part p : {contact_part::interior, contact_part::boundary})
-        list.add_impulses(p, impulses, striking_);
+    impulses.clear();
+    each_list(lists, [&](const access& list, contact_part p, const auto& numbers) {
+      list.add_impulses(p, numbers, impulses);
+    });
   }
   template <class Values>
   static void sort_unique(Values& values) {
@@ -287,18 +192,15 @@ class island_parts {
     values.erase(std::unique(values.begin(), values.end()), values.end());
   }
 
-  plain_vector<std::uint32_t> first_;  ///< of each body, in touching_
-  plain_vector<std::int32_t> touching_, queue_;
-  plain_vector<char> met_;
-  plain_vector<int> owner_;  ///< of each body
-  int rank_ = 0;
-  mutable disjoint_sets sets_;
-  plain_vector<group> groups_;  ///< of the roots
-  overloaded_clusters clusters_;
+  contact_groups<State> groups_;
   std::vector<found> all_;
   plain_vector<system_id> large_;
   plain_vector<int> ranks_;
-  plain_vector<vec3> before_, last_, now_;  ///< impulses of all contacts
+  plain_vector<member> members_;
+  plain_vector<std::uint32_t> first_, order_;  ///< the members of each part
+  plain_vector<contact_ends> ends_;
+  plain_vector<std::uint32_t> numbers_;
+  plain_vector<vec3> before_, last_, now_;  ///< impulses of all members
   plain_vector<char> striking_;
   int noted_ = 0;
 };

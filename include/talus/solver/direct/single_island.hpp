@@ -52,13 +52,14 @@ class single_island {
   /// Solves it, if sweeps stall and a solution costs less than the sweeps that it replaces; returns
   /// whether its impulses are better than theirs. `fall` is the gain of velocity by gravity in a
   /// step.
-  [[nodiscard]] bool solve(const vec3& fall, stalled_figures figures, real precision) {
+  [[nodiscard]] bool solve(const vec3& fall, stalled_figures figures, real precision,
+                           const island_limits& limits) {
     arrange(fall);
     const contact_order order(problem_, state_);
     const real row = 1 + static_cast<real>(order.length()), speed = fall.norm();
     figures.overloaded = figures.overloaded && is_overloaded();
     if (!figures.overloaded &&
-        (problem_.size() > stalled_figures::many || !figures.is_narrow(row) || flows(speed)))
+        (problem_.size() > limits.many || !figures.is_narrow(row) || flows(speed)))
       return false;
     if (!figures.stalls(row, speed, precision)) return false;
     const auto n = static_cast<real>(problem_.size());

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "talus/constraint/island_limits.hpp"
 #include "talus/core/math.hpp"
 
 namespace talus::detail {
@@ -12,10 +13,6 @@ namespace talus::detail {
 /// sweep removes one part in (row² * ratio of masses) of the error, if so many contacts are in a
 /// row, or more: where no body overloads light ones, the last two sweeps show how much.
 struct stalled_figures {
-  /// Contacts of the largest island that is solved.
-  static constexpr std::uint32_t most_contacts = 5000;
-  /// The limit where no body overloads others: sweeps work well in larger islands, as in a pile.
-  static constexpr std::uint32_t many = 1000;
   static constexpr real unknown = std::numeric_limits<real>::infinity();
 
   bool left_out = false;                   ///< too large, or with joints: sweeps alone solve it
@@ -56,8 +53,8 @@ struct stalled_figures {
     return change < unknown && change > precision * speed && change * sweeps(row) > let_be * speed;
   }
   /// Whether the island may be solved: it is, if that holds with its known row and clusters.
-  [[nodiscard]] bool may_stall(real speed, real precision) const {
-    return !left_out && contacts <= (overloaded ? most_contacts : many) &&
+  [[nodiscard]] bool may_stall(real speed, real precision, const island_limits& limits) const {
+    return !left_out && contacts <= (overloaded ? limits.contacts : limits.many) &&
            (overloaded || may_be_narrow()) && stalls(longest_row(), speed, precision);
   }
 
