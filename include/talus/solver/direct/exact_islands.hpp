@@ -7,7 +7,6 @@
 #include <set>
 #include <span>
 #include <type_traits>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -18,6 +17,7 @@
 #include "talus/core/sort.hpp"
 #include "talus/solver/contact_access.hpp"
 #include "talus/solver/direct/island_parts.hpp"
+#include "talus/solver/direct/known_islands.hpp"
 #include "talus/solver/direct/single_island.hpp"
 #include "talus/solver/direct/travelling_records.hpp"
 
@@ -34,6 +34,7 @@ class exact_islands {
   using parts_type = island_parts<State>;
   using found = typename parts_type::found;
   using number = typename State::number;
+  using island = known_islands::island;
 
  public:
   /// Before the sweeps; see island_parts. Returns whether any island may be solved.
@@ -54,13 +55,13 @@ class exact_islands {
     // A smaller change is irrelevant, or is round-off.
     constexpr real precision = std::is_same_v<number, real> ? 1e-9 : 1e-5;
     parts_.find_changes(lists);
-    share_figures(exchange);
+    share_figures(s, exchange);
     const real speed = s.fall.norm();
     std::map<system_id, const island*> active;  // by the name of the own part
     std::map<system_id, island> islands;        // by the least name
     for (const found& part : parts_.all()) {
       if (part.ranks.empty() && !part.about.figures.may_stall(speed, precision, s.limits)) continue;
-      const island& one = island_of(part.about.name);
+      const island& one = known_.island_of(part.about.name);
       if (!one.whole || !one.all.may_stall(speed, precision, s.limits)) continue;
       const system_id first = one.names[0];
       active[part.about.name] = &islands.emplace(first, one).first->second;
@@ -90,136 +91,34 @@ class exact_islands {
   }
 
  private:
-  struct island {
-    std::vector<system_id> names;  ///< of its parts, ascending
-    stalled_figures all;           ///< of all of them
-    bool whole = true;             ///< all of them are known
-  };
-
-  /// A part that is known, and the parts that it touches as far as these are.
-  struct known_part {
-    island_part about;
-    plain_vector<system_id> touching;
-    bool open = true;  ///< it touches others, too
-  };
-
-  /// The parts that are known to form an island with an own one.
-  [[nodiscard]] const island& island_of(system_id name) {
-    resolve();
-    const auto [at, is_new] = islands_.try_emplace(name);
-    if (is_new) at->second = island_among(name, nullptr);
-    return at->second;
-  }
-  /// Whether the islands of these parts are whole, or left out, if only these are known.
-  [[nodiscard]] bool are_whole(const std::set<system_id>& names) {
-    resolve();
-    bool whole = true, left_out = false;
-    for (const system_id name : names) {
-      const known_part& part = known_.at(name);
-      left_out |= part.about.figures.left_out;
-      whole = whole && !part.open &&
-              std::all_of(part.touching.begin(), part.touching.end(),
-                          [&](system_id other) { return names.contains(other); });
-    }
-    if (whole || !left_out) return whole;
-    return std::all_of(names.begin(), names.end(), [&](system_id name) {
-      const island one = island_among(name, &names);
-      return one.whole || one.all.left_out;
-    });
-  }
-  [[nodiscard]] island island_among(system_id name, const std::set<system_id>* only) const {
-    island one;
-    one.names.push_back(name);
-    for (std::size_t n = 0; n < one.names.size(); ++n) {
-      const known_part& part = known_.at(one.names[n]);
-      one.all.add(part.about.figures);
-      one.whole = one.whole && !part.open;
-      for (const system_id other : part.touching)
-        if (only != nullptr && !only->contains(other))
-          one.whole = false;
-        else if (std::find(one.names.begin(), one.names.end(), other) == one.names.end())
-          one.names.push_back(other);
-    }
-    std::sort(one.names.begin(), one.names.end());
-    return one;
-  }
-  /// Finds what the known parts touch, if more are known than before.
-  void resolve() {
-    if (!std::exchange(unresolved_, false)) return;
-    islands_.clear();
-    for (auto& [name, part] : known_) {
-      if (!std::exchange(part.open, false)) continue;
-      part.touching.clear();
-      for (const auto& [own, other] : part.about.ties) {
-        const auto at = part_of_.find(value_of(other));
-        if (at == part_of_.end())
-          part.open = true;
-        else if (std::find(part.touching.begin(), part.touching.end(), at->second) ==
-                 part.touching.end())
-          part.touching.push_back(at->second);
-      }
-    }
-  }
-  void enter(const island_part& part) {
-    part_of_[value_of(part.name)] = part.name;
-    for (const auto& [own, other] : part.ties) part_of_[value_of(own)] = part.name;
-    known_[part.name] = {part, {}};
-    unresolved_ = true;
-  }
-  static byte_buffer packed(const island_part& part) {
-    byte_buffer bytes;
-    byte_writer out(bytes);
-    out.put(part.name), out.put(part.figures);
-    for (const auto& tie : part.ties) out.put(tie);
-    return bytes;
-  }
-  static island_part unpacked(const byte_buffer& bytes) {
-    byte_reader in(bytes);
-    island_part part;
-    part.name = in.get<system_id>();
-    part.figures = in.get<stalled_figures>();
-    while (!in.empty()) part.ties.push_back(in.get<plain_pair<system_id, system_id>>());
-    return part;
-  }
-  /// A body of a part that is too large, in place of that part.
-  static island_part large_part(system_id body) {
-    island_part part;
-    part.name = body, part.figures.left_out = true;
-    return part;
-  }
-
   template <class Exchange>
-  void share_figures(Exchange& exchange) {
+  void share_figures(const State& s, Exchange& exchange) {
     const plain_vector<int>& ranks = parts_.ranks();
-    known_.clear(), part_of_.clear(), figures_.clear();
-    if (ranks.empty()) {
-      for (const found& part : parts_.all()) known_[part.about.name] = {part.about, {}};
-      unresolved_ = true;
-      return;
-    }
+    known_.clear(s.limits), figures_.clear();
     for (const found& part : parts_.all()) {
-      enter(part.about);
-      if (!part.ranks.empty()) figures_.all[part.about.name] = packed(part.about);
+      known_.enter(part.about);
+      if (!part.ranks.empty()) figures_.all[part.about.name] = known_.packed(part.about);
     }
+    if (ranks.empty()) return;
     figures_.lines.resize(ranks.size());
     for (std::size_t n = 0; n < ranks.size(); ++n) figures_.lines[n].rank = ranks[n];
     std::vector<std::set<system_id>> asked(ranks.size());  // bodies of large parts
     figures_.exchange_all(
         [&](std::size_t n, auto&& f) {
           each_on_line(ranks[n], [&](const found& part) {
-            for (const system_id name : island_of(part.about.name).names) f(name);
+            for (const system_id name : known_.island_of(part.about.name).names) f(name);
           });
           for (const system_id body : asked[n]) f(body);
         },
-        [&](std::size_t n) { return are_whole(figures_.lines[n].sent); },
+        [&](std::size_t n) { return known_.are_whole(figures_.lines[n].sent); },
         [&](system_id, const byte_buffer& bytes, std::size_t n) {
-          const island_part part = unpacked(bytes);
-          enter(part);
+          const island_part part = known_.unpacked(bytes);
+          known_.enter(part);
           for (const auto& [own, other] : part.ties)
             if (std::binary_search(parts_.large().begin(), parts_.large().end(), other)) {
               asked[n].insert(other);
-              enter(large_part(other));
-              figures_.all.emplace(other, packed(large_part(other)));
+              known_.enter(known_.large_part(other));
+              figures_.all.emplace(other, known_.packed(known_.large_part(other)));
             }
         },
         exchange);
@@ -315,10 +214,7 @@ class exact_islands {
   }
 
   parts_type parts_;
-  std::map<system_id, known_part> known_;
-  bool unresolved_ = false;                               ///< what the known parts touch
-  std::map<system_id, island> islands_;                   ///< of own parts
-  std::unordered_map<std::uint64_t, system_id> part_of_;  ///< of a body with ties
+  known_islands known_;
   travelling_records figures_, problems_;
 };
 

@@ -26,6 +26,10 @@ struct stalled_figures {
   void add_mass(real mass) {
     least_mass = std::min(least_mass, mass), most_mass = std::max(most_mass, mass);
   }
+  /// Whether sweeps alone solve the island, whatever its other parts are.
+  [[nodiscard]] bool is_left_out(const island_limits& limits) const {
+    return left_out || contacts > limits.contacts || change == unknown;
+  }
   void add(const stalled_figures& other) {
     left_out |= other.left_out, overloaded |= other.overloaded;
     contacts += other.contacts, bodies += other.bodies, in_a_row += other.in_a_row;
