@@ -102,7 +102,7 @@ class exact_islands {
     if (ranks.empty()) return;
     figures_.lines.resize(ranks.size());
     for (std::size_t n = 0; n < ranks.size(); ++n) figures_.lines[n].rank = ranks[n];
-    std::vector<std::set<system_id>> asked(ranks.size());  // bodies of large parts
+    std::vector<sorted_ids> asked(ranks.size());  // bodies of large parts
     figures_.exchange_all(
         [&](std::size_t n, auto&& f) {
           each_on_line(ranks[n], [&](const found& part) {

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <set>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "talus/core/plain_vector.hpp"
 #include "talus/solver/direct/island_parts.hpp"
 #include "talus/solver/direct/stalled_figures.hpp"
+#include "talus/solver/direct/travelling_records.hpp"
 
 namespace talus::detail {
 
@@ -47,7 +47,7 @@ class known_islands {
     return at->second;
   }
   /// Whether the islands of these parts are whole, or left out, if only these are known.
-  [[nodiscard]] bool are_whole(const std::set<system_id>& names) {
+  [[nodiscard]] bool are_whole(const sorted_ids& names) {
     resolve();
     bool whole = true, left_out = false;
     std::uint32_t contacts = 0;
@@ -60,10 +60,14 @@ class known_islands {
                           [&](system_id other) { return names.contains(other); });
     }
     if (whole || (!left_out && contacts <= limits_.contacts)) return whole;
-    return std::all_of(names.begin(), names.end(), [&](system_id name) {
+    sorted_ids seen;
+    for (const system_id name : names) {
+      if (seen.contains(name)) continue;
       const island one = island_among(name, &names);
-      return one.whole || one.all.is_left_out(limits_);
-    });
+      if (!one.whole && !one.all.is_left_out(limits_)) return false;
+      for (const system_id other : one.names) seen.insert(other);
+    }
+    return true;
   }
 
   static byte_buffer packed(const island_part& part) {
@@ -96,7 +100,7 @@ class known_islands {
     bool open = true;  ///< it touches others, too
   };
 
-  [[nodiscard]] island island_among(system_id name, const std::set<system_id>* only) const {
+  [[nodiscard]] island island_among(system_id name, const sorted_ids* only) const {
     island one;
     one.names.push_back(name);
     for (std::size_t n = 0; n < one.names.size(); ++n) {

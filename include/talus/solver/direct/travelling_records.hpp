@@ -1,17 +1,38 @@
 #pragma once
 // Records that ranks pass on to each other until each rank has those that it needs.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <set>
 #include <utility>
 #include <vector>
 
 #include "talus/core/bytes.hpp"
 #include "talus/core/id.hpp"
 #include "talus/core/neighbour_message.hpp"
+#include "talus/core/plain_vector.hpp"
 
 namespace talus::detail {
+
+/// A small set of ids, ascending.
+class sorted_ids {
+ public:
+  [[nodiscard]] bool contains(system_id id) const {
+    return std::binary_search(ids_.begin(), ids_.end(), id);
+  }
+  /// Returns whether it is new.
+  bool insert(system_id id) {
+    system_id* const at = std::lower_bound(ids_.begin(), ids_.end(), id);
+    if (at != ids_.end() && *at == id) return false;
+    ids_.insert(at, id);
+    return true;
+  }
+  [[nodiscard]] const system_id* begin() const { return ids_.begin(); }
+  [[nodiscard]] const system_id* end() const { return ids_.end(); }
+
+ private:
+  plain_vector<system_id> ids_;
+};
 
 /// Each rank begins with records of its own, and with lines to other ranks, which have lines to it.
 /// In each round the records that a neighbour needs, and does not have, travel along each open
@@ -22,7 +43,7 @@ class travelling_records {
   struct line {
     int rank = 0;
     bool open = true;
-    std::set<system_id> sent;  ///< in either direction
+    sorted_ids sent;  ///< in either direction
   };
   std::map<system_id, byte_buffer> all;
   std::vector<line> lines;
@@ -45,7 +66,7 @@ class travelling_records {
         byte_writer out(bytes);
         needs(n, [&](system_id name) {
           const auto at = all.find(name);
-          if (at == all.end() || !l.sent.insert(name).second) return;
+          if (at == all.end() || !l.sent.insert(name)) return;
           out.put(name);
           out.put(std::span<const std::byte>(at->second));
         });
