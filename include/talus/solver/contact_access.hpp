@@ -73,7 +73,7 @@ class contact_access {
                     plain_vector<vec3>& to) const {
     calls_->add_impulses(list_, p, numbers, to);
   }
-  /// Likewise whether they strike.
+  /// Appends whether the contacts of these numbers strike. The numbers ascend.
   void add_strikes(contact_part p, std::span<const std::uint32_t> numbers,
                    plain_vector<char>& to) const {
     calls_->add_strikes(list_, p, numbers, to);

@@ -68,17 +68,17 @@ class contact_groups {
   [[nodiscard]] std::uint32_t group_of(std::int32_t body) const {
     return body < 0 || at(body) >= of_body_.size() ? none : of_body_[at(body)];
   }
-  /// That of the bodies of a contact.
+  /// The number of the group of the bodies of a contact, or none.
   [[nodiscard]] std::uint32_t group_of(std::int32_t a, std::int32_t b) const {
     return std::min(group_of(a), group_of(b));
   }
-  /// Those of own bodies whose groups are too large.
+  /// The pairs of bodies of too large groups with those of other ranks.
   [[nodiscard]] const plain_vector<std::uint32_t>& large_ties() const { return large_ties_; }
 
  private:
   /// Groups of so few bodies may be long in any case.
   static constexpr std::uint32_t few = 50;
-  /// Of the bodies with one root.
+  /// The numbers of bodies with one root, and of their pairs.
   struct sizes {
     std::uint32_t root = 0, pairs = 0, bodies = 0;
     bool tied = false, overloaded = false;
@@ -226,7 +226,7 @@ class contact_groups {
       for (const std::int32_t body : {c.a, c.b})
         if (clusters_.of(body) != overloaded_clusters::none) size_of(body).overloaded = true;
   }
-  /// Of bodies that touch others.
+  /// Whether a body that touches others is an own one.
   [[nodiscard]] bool is_own(std::uint32_t body) {
     return size_of(static_cast<std::int32_t>(body)).pairs > 0;
   }
