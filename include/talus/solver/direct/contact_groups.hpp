@@ -77,7 +77,7 @@ class contact_groups {
 
  private:
   /// Groups of so few bodies may be long in any case.
-  static constexpr std::uint32_t few = 50;
+  static constexpr std::uint32_t few = 100;
   /// The numbers of bodies with one root, and of their pairs.
   struct sizes {
     std::uint32_t root = 0, pairs = 0, bodies = 0;

@@ -54,15 +54,18 @@ class exact_islands {
   void solve(std::span<const access> lists, State& s, Exchange&& exchange) {
     // A smaller change is irrelevant, or is round-off.
     constexpr real precision = std::is_same_v<number, real> ? 1e-9 : 1e-5;
-    parts_.find_changes(lists);
-    share_figures(s, exchange);
     const real speed = s.fall.norm();
+    const auto may_stall = [&](const stalled_figures& f) {
+      return f.may_stall(speed, precision, s.limits);
+    };
+    parts_.find_changes(lists, may_stall);
+    share_figures(s, exchange);
     std::map<system_id, const island*> active;  // by the name of the own part
     std::map<system_id, island> islands;        // by the least name
     for (const found& part : parts_.all()) {
-      if (part.ranks.empty() && !part.about.figures.may_stall(speed, precision, s.limits)) continue;
+      if (part.ranks.empty() && !may_stall(part.about.figures)) continue;
       const island& one = known_.island_of(part.about.name);
-      if (!one.whole || !one.all.may_stall(speed, precision, s.limits)) continue;
+      if (!one.whole || !may_stall(one.all)) continue;
       const system_id first = one.names[0];
       active[part.about.name] = &islands.emplace(first, one).first->second;
     }

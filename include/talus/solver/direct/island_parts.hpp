@@ -1,6 +1,7 @@
 #pragma once
 // The islands of contacts as this rank sees them: what its own bodies and their contacts form.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -97,26 +98,35 @@ class island_parts {
     ++noted_;
   }
   /// After them: the contacts of each part, and the largest changes of velocity there in the last
-  /// two; infinite if an impact rebounds, or if they are unknown.
-  void find_changes(std::span<const access> lists) {
+  /// two; infinite if an impact rebounds, or if they are unknown. `may_stall(figures)` says whether
+  /// impacts matter in a part that is an island.
+  template <class MayStall>
+  void find_changes(std::span<const access> lists, MayStall&& may_stall) {
     if (all_.empty()) return;
     note(lists, now_);
-    striking_.clear();
-    each_list(lists, [&](const access& list, contact_part p, const auto& numbers) {
-      list.add_strikes(p, numbers, striking_);
-    });
-    for (found& one : all_)
-      one.about.figures.change_before = noted_ < 2 ? stalled_figures::unknown : 0;
     for (std::size_t k = 0; k < members_.size(); ++k) {
       const member& m = members_[k];
       stalled_figures& f = all_[m.of].about.figures;
       if (m.counts) ++f.contacts;
-      if (striking_[k] != 0) f.change = stalled_figures::unknown;
-      f.change = std::max(f.change, (now_[k] - last_[k]).norm() * m.inverse_mass);
+      const real square = m.inverse_mass * m.inverse_mass;
+      f.change = std::max(f.change, (now_[k] - last_[k]).squaredNorm() * square);
       if (noted_ >= 2)
-        f.change_before =
-            std::max(f.change_before, (last_[k] - before_[k]).norm() * m.inverse_mass);
+        f.change_before = std::max(f.change_before, (last_[k] - before_[k]).squaredNorm() * square);
     }
+    bool any = false;
+    for (found& one : all_) {
+      stalled_figures& f = one.about.figures;
+      f.change = std::sqrt(f.change);
+      f.change_before = noted_ < 2 ? stalled_figures::unknown : std::sqrt(f.change_before);
+      any = any || !one.ranks.empty() || may_stall(f);
+    }
+    if (!any) return;
+    striking_.clear();
+    each_list(lists, [&](const access& list, contact_part p, const auto& numbers) {
+      list.add_strikes(p, numbers, striking_);
+    });
+    for (std::size_t k = 0; k < members_.size(); ++k)
+      if (striking_[k] != 0) all_[members_[k].of].about.figures.change = stalled_figures::unknown;
   }
   /// Calls f(member) for the contacts of a part, also those that count elsewhere.
   template <class F>
