@@ -71,8 +71,8 @@ std::vector<found> together(const std::vector<two>& pairs, real margin, int& goo
   for (unsigned k = 0; k < 8; ++k)
     if (near >> k & 1u) {
       good += batch.patches().good(k);
-      collide_boxes(a[k], b[k], batch, k, margin,
-                    [&](const contact_geometry& g) { all[k].push_back(g); });
+      collide_lane(a[k], b[k], batch, k, margin,
+                   [&](const contact_geometry& g) { all[k].push_back(g); });
     }
   return all;
 }

@@ -42,8 +42,8 @@ template void collide_convex(const convex_polyhedron&, const pose&, const convex
 namespace detail {
 template class box_patches<real>;
 template class box_batch<real>;
-template void collide_boxes(const box_place<real>&, const box_place<real>&, const box_batch<real>&,
-                            unsigned, real, contact_sink&&);
+template void collide_lane(const box_place<real>&, const box_place<real>&, const box_batch<real>&,
+                           unsigned, real, contact_sink&&);
 }  // namespace detail
 
 }  // namespace talus

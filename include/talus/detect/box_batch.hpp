@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "talus/core/pack_rows.hpp"
+#include "talus/detect/batch_of.hpp"
 #include "talus/detect/box_place.hpp"
 #include "talus/detect/detail/box_axes.hpp"
 #include "talus/detect/detail/box_patches.hpp"
@@ -18,13 +19,21 @@ class box_batch {
   using number = pack<Real, 8>;
 
  public:
+  using place = box_place<Real>;
   static constexpr unsigned capacity = 8;
 
-  /// The boxes must stay where they are until the test.
+  /// The boxes must stay where they are until the search.
   void set(unsigned lane, const box_place<Real>& a, const box_place<Real>& b, Real margin) {
     at_a_[lane] = &a, at_b_[lane] = &b;
     margin_[lane] = margin;
   }
+  /// Bit k is set if pair k, of the first `count`, may have contacts: collide_lane() finds them.
+  [[nodiscard]] unsigned search(unsigned count) {
+    const unsigned near = test(count);
+    if (near != 0) find_patches();
+    return near;
+  }
+  [[nodiscard]] static constexpr unsigned uncertain() { return 0; }
   /// Bit k is set unless some axis separates pair k, of the first `count`, by more than its margin.
   [[nodiscard]] unsigned test(unsigned count = capacity) {
     for (unsigned k = count; k < capacity; ++k) at_a_[k] = at_a_[0], at_b_[k] = at_b_[0];
@@ -91,6 +100,11 @@ class box_batch {
   number c_[3][3], d_[3];
   box_gaps<number> gaps_;
   box_patches<Real> patches_;
+};
+
+template <>
+struct batch_of<box> {
+  using type = box_batch<real>;
 };
 
 }  // namespace talus::detail

@@ -46,8 +46,8 @@ extern template void collide_convex(const convex_polyhedron&, const pose&, const
 namespace detail {
 extern template class box_patches<real>;
 extern template class box_batch<real>;
-extern template void collide_boxes(const box_place<real>&, const box_place<real>&,
-                                   const box_batch<real>&, unsigned, real, contact_sink&&);
+extern template void collide_lane(const box_place<real>&, const box_place<real>&,
+                                  const box_batch<real>&, unsigned, real, contact_sink&&);
 }  // namespace detail
 
 }  // namespace talus

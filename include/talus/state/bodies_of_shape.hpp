@@ -8,8 +8,9 @@
 #include "talus/concepts.hpp"
 #include "talus/core/plain_vector.hpp"
 #include "talus/core/type_list.hpp"
-#include "talus/detect/box_place.hpp"
+#include "talus/detect/box_batch.hpp"
 #include "talus/detect/collide_pair.hpp"
+#include "talus/detect/ellipsoid_batch.hpp"
 #include "talus/detect/hash_grid.hpp"
 #include "talus/detect/sphere_batch.hpp"
 #include "talus/shape/sphere.hpp"
@@ -23,9 +24,9 @@ inline constexpr real contact_slack = 0.01;
 /// What detection reads of the bodies of a shape, computed once per step.
 template <class Shape>
 struct places_of {};
-template <>
-struct places_of<box> {
-  plain_vector<box_place<real>> places;
+template <computed_in_batches Shape>
+struct places_of<Shape> {
+  plain_vector<typename batch_of<Shape>::type::place> places;
 };
 template <>
 struct places_of<sphere> {

@@ -44,7 +44,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   using number = solved_scalar<Scenario>;
   using wide = wide_pack<real>;
   static constexpr bool batched =
-      paired && std::is_same_v<ShapeA, box> && std::is_same_v<ShapeB, box>;
+      paired && std::is_same_v<ShapeA, ShapeB> && computed_in_batches<ShapeA>;
   static constexpr bool strikes =
       law::restitution && law::correction && !uses_substeps<typename Scenario::solver>;
   /// Contacts of spheres are computed several at a time, where only their motion counts.
@@ -96,7 +96,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   /// Adds the contacts of a kept candidate pair, with the reach that the places of the bodies hold.
   void operator()(std::size_t i, std::size_t j, history_place& last) requires(batched) {
     const auto margin = [&](std::size_t k) {
-      const box_place<real>& at = (*waiting_.places)[k];
+      const auto& at = (*waiting_.places)[k];
       return at.reach - at.radius;
     };
     make(i, j, margin(i), margin(j), &last);
@@ -132,13 +132,14 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     const unsigned count = waiting_.count;
     waiting_.count = 0;
     if (count == 0) return;
-    const unsigned near = waiting_.tests.test(count);
-    if (near != 0) waiting_.tests.find_patches();
+    const unsigned near = waiting_.batch.search(count), single = waiting_.batch.uncertain();
     for (unsigned k = 0; k < count; ++k) {
       pair_at_hand& x = waiting_.pairs[k];
       const auto add_point = [&](const contact_geometry& g) { add(x, g); };
-      if (near >> k & 1u)
-        collide_boxes(place_a(x), place_b(x), waiting_.tests, k, x.margin, contact_sink(add_point));
+      if (single >> k & 1u)
+        collide_pair(a_.shape[x.i], pose_a(x), b_.shape[x.j], pose_b(x), x.margin, add_point);
+      else if (near >> k & 1u)
+        collide_lane(place_a(x), place_b(x), waiting_.batch, k, x.margin, contact_sink(add_point));
       drop_unless_made(x);
     }
   }
@@ -150,8 +151,6 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     vec3 normal{0, 0, 0};
   };
   struct nothing_met {};
-  /// Whether the bodies of a pair come within the slack on their paths.
-  enum class path : char { unknown, meet, pass };
   struct pair_at_hand : body_pair {
     real margin = 0;
     real radius = 0;  ///< of a
@@ -162,14 +161,16 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     path paths = path::unknown;
     [[no_unique_address]] std::conditional_t<driven, met_body, nothing_met> met{};
   };
+  template <class Batch>
   struct waiting_pairs {
-    plain_vector<box_place<real>>* places = nullptr;  ///< of all boxes
-    box_batch<real> tests;
-    std::array<pair_at_hand, box_batch<real>::capacity> pairs;
+    using place = typename Batch::place;
+    plain_vector<place>* places = nullptr;  ///< of all bodies of this shape
+    Batch batch;
+    std::array<pair_at_hand, Batch::capacity> pairs;
     unsigned count = 0;
-    /// The two boxes of each pair, where they are for this pair.
+    /// The two bodies of each pair, where they are for this pair.
     [[no_unique_address]] std::conditional_t<
-        imaged, std::array<std::array<box_place<real>, 2>, box_batch<real>::capacity>, nothing_met>
+        imaged, std::array<std::array<place, 2>, Batch::capacity>, nothing_met>
         images;
   };
   /// Pairs of spheres, and the properties of the last pair of materials.
@@ -244,11 +245,11 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       if constexpr (imaged) {
         auto& [at_a, at_b] = waiting_.images[lane];
         at_a = place_a(x), at_b = place_b(x);
-        waiting_.tests.set(lane, at_a, at_b, x.margin);
+        waiting_.batch.set(lane, at_a, at_b, x.margin);
       } else {
-        waiting_.tests.set(lane, place_a(x), place_b(x), x.margin);
+        waiting_.batch.set(lane, place_a(x), place_b(x), x.margin);
       }
-      if (waiting_.count == waiting_.tests.capacity) finish();
+      if (waiting_.count == waiting_.batch.capacity) finish();
       return;
     } else if constexpr (packed) {
       const unsigned lane = waiting_.count++;
@@ -321,7 +322,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     }
     if (motion_.parts_before_touching(i, j, x.radius, x.slack, g, u)) return;
     real pulled = motion_.pull(i, j);
-    const bool passing = passes(x, g.normal, g.gap, g.normal.dot(u), pulled);
+    const bool passing = passes(x, g, g.normal.dot(u), pulled);
     if constexpr (monitored<Scenario, penetration_monitor>)
       if (!x.foreign && (!x.boundary || x.own_a)) s_.monitors.overlaps.add(g.gap);
     contact_type c;
@@ -364,10 +365,11 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     add_to_list(x, c, key);
   }
   /// Whether the surfaces of a contact with such a gap pass each other in this step.
-  [[nodiscard]] bool passes(pair_at_hand& x, const vec3& normal, real gap, real un,
-                            real pull) const {
+  [[nodiscard]] bool passes(pair_at_hand& x, const contact_geometry& g, real un, real pull) const {
     const vec3 &at_a = position_a(x), &at_b = position_b(x);
-    if (!motion_.may_pass(x.i, x.j, at_a, at_b, x.slack, normal, gap, un, pull)) return false;
+    if (!motion_.may_pass(x.i, x.j, at_a, at_b, x.slack, g.normal, g.gap, un, pull)) return false;
+    if (x.paths == path::unknown)
+      x.paths = motion_.path_by_contact(x.i, x.j, at_a, at_b, x.slack, g);
     if (x.paths == path::unknown)
       x.paths = motion_.meet_on_paths(x.i, x.j, at_a, at_b, x.slack) ? path::meet : path::pass;
     return x.paths == path::pass;
@@ -424,7 +426,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     const real pull = waiting_.pull[k];
     vec3 u = lane(of.velocity, k);
     real un = of.approach[k];
-    const bool passing = (of.apart >> k & 1u) && passes(x, normal, gap, un, pull);
+    const bool passing = (of.apart >> k & 1u) && passes(x, {normal, {}, gap, 0}, un, pull);
     if constexpr (state_type::midpoint) {
       c.bias = lane(waiting_.bias, k);
       u += normal.dot(c.bias) * normal;  // the rest may be an impact
@@ -545,10 +547,10 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   [[nodiscard]] decltype(auto) place_b(const pair_at_hand& x) const {
     return place_at(x.j, position_b(x));
   }
-  /// A box of the two, there.
+  /// A body of the two, there.
   [[nodiscard]] decltype(auto) place_at(std::size_t i, const vec3& there) const {
     if constexpr (imaged) {
-      box_place<real> place = (*waiting_.places)[i];
+      auto place = (*waiting_.places)[i];
       place.position = there;
       return place;
     } else {
@@ -603,9 +605,13 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
 
   list_type& list_;
   pair_motion<Scenario, ShapeA, ShapeB, paired> motion_;
-  [[no_unique_address]] std::conditional_t<batched, waiting_pairs,
-                                           std::conditional_t<packed, waiting_spheres, none_wait>>
-      waiting_;
+  static auto waiting() {
+    if constexpr (batched)
+      return std::type_identity<waiting_pairs<typename batch_of<ShapeA>::type>>{};
+    else
+      return std::type_identity<std::conditional_t<packed, waiting_spheres, none_wait>>{};
+  }
+  [[no_unique_address]] typename decltype(waiting())::type waiting_;
   [[no_unique_address]] std::conditional_t<state_type::midpoint, earlier_pair, no_earlier_pair>
       earlier_;
 };

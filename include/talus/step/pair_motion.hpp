@@ -19,6 +19,30 @@ template <class Shape>
 inline constexpr bool has_round_ends =
     std::is_same_v<Shape, sphere> || std::is_same_v<Shape, capsule>;
 
+/// Whether the bodies of a pair come within the slack on their paths.
+enum class path : char { unknown, meet, pass };
+
+/// The surfaces of a shape without edges or flat parts, by their radii of curvature.
+template <class Shape>
+concept is_smooth = std::is_same_v<Shape, sphere> || requires(const Shape& s) {
+  s.smallest_curvature_radius();
+  s.largest_curvature_radius();
+};
+template <is_smooth Shape>
+[[nodiscard]] real smallest_curvature(const Shape& s) {
+  if constexpr (std::is_same_v<Shape, sphere>)
+    return s.radius;
+  else
+    return s.smallest_curvature_radius();
+}
+template <is_smooth Shape>
+[[nodiscard]] real largest_curvature(const Shape& s) {
+  if constexpr (std::is_same_v<Shape, sphere>)
+    return s.radius;
+  else
+    return s.largest_curvature_radius();
+}
+
 /// The motion of the pairs of two shapes within a step. The second bodies are movable too
 /// (`Paired`), or are global and may be driven.
 template <class Scenario, class ShapeA, class ShapeB, bool Paired>
@@ -65,6 +89,40 @@ class pair_motion {
       if ((way - normal.dot(way) * normal).norm() + turning <= touching_part * slack) return false;
       return gap + normal.dot(way) - gravity_ * s_.dt * s_.dt >=
              -reversing_overlap(a_.shape[i], b_.shape[j]);
+    }
+  }
+  /// Whether bodies with this contact meet in this step, as far as their velocities there tell;
+  /// else meet_on_paths() does. They meet if balls inside both, which touch their surfaces there,
+  /// come near: one of the smallest radius of curvature fits everywhere (Blaschke, "Kreis und
+  /// Kugel", 1916). They pass each other if the plane between them separates them all the time.
+  [[nodiscard]] path path_by_contact(std::size_t i, std::size_t j, const vec3& at_a,
+                                     const vec3& at_b, real slack,
+                                     const contact_geometry& g) const {
+    if constexpr (!is_smooth<ShapeA> || !is_smooth<ShapeB> || driven) {
+      return path::unknown;
+    } else {
+      const ShapeA& a = a_.shape[i];
+      const ShapeB& b = b_.shape[j];
+      const vec3 turn_a = s_.dt * a_.angular_velocity[i], turn_b = s_.dt * b_.angular_velocity[j];
+      const vec3 centres = way_past(i, j, at_a, at_b);
+      // The path of a point of a rotating body is an arc, and the axis may turn too.
+      const real bent_a = turn_a.squaredNorm(), bent_b = turn_b.squaredNorm();
+      const vec3 arm_a = g.point + real(0.5) * g.gap * g.normal - at_a;
+      const vec3 arm_b = g.point - real(0.5) * g.gap * g.normal - at_b;
+      const auto way = [&](const vec3& a, const vec3& b) -> vec3 {
+        return centres + turn_a.cross(a) - turn_b.cross(b);
+      };
+      const real touch = touching_part * slack;
+      const real nearest = g.gap + std::min(real(0), g.normal.dot(way(arm_a, arm_b))) -
+                           bent_a * (a.bounding_radius() + largest_curvature(a)) -
+                           bent_b * (b.bounding_radius() + largest_curvature(b));
+      if (nearest > touch) return path::pass;
+      const real ball_a = smallest_curvature(a), ball_b = smallest_curvature(b);
+      const vec3 in_a = arm_a + ball_a * g.normal, in_b = arm_b - ball_b * g.normal;
+      const real reach = ball_a + ball_b + touch - bent_a * in_a.norm() - bent_b * in_b.norm();
+      const bool meet =
+          reach > 0 && points_come_near(at_a + in_a - (at_b + in_b), way(in_a, in_b), reach);
+      return meet ? path::meet : path::unknown;
     }
   }
   /// Whether they meet on their paths in this step, as the integrator moves them without contacts.

@@ -81,8 +81,8 @@ void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box
 /// Calls `sink(contact_geometry)` for two boxes of a batch whose manifolds have been computed;
 /// `lane` is their place in the batch.
 template <class Sink, class Real>
-void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box_batch<Real>& batch,
-                   unsigned lane, Real margin, Sink&& sink) {
+void collide_lane(const box_place<Real>& a, const box_place<Real>& b, const box_batch<Real>& batch,
+                  unsigned lane, Real margin, Sink&& sink) {
   const box_patches<Real>& patches = batch.patches();
   if (!patches.good(lane))
     return collide_boxes(a, b, batch.pair(lane), batch.gaps(lane), margin, sink);
