@@ -95,3 +95,42 @@ TEST_CASE("the velocities at a contact of ellipsoids decide as the search along 
 TEST_CASE("so do those at a contact of an ellipsoid and a ball") {
   check(compare(1001, sphere{0.4}));
 }
+// (The monitor, because contacts of spheres that nothing else concerns are kept.)
+TEST_CASE("balls that spin pass and meet each other far from the origin as in it") {
+  using balls = scenario<bodies<sphere>, transport<serial>, features<penetration_monitor>>;
+  int passed = 0, met = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    INFO("seed " << seed);
+    std::mt19937_64 engine(seed);
+    const auto random = [&](real low, real high) {
+      return std::uniform_real_distribution<real>(low, high)(engine);
+    };
+    const auto vector = [&](real size) -> vec3 {
+      return {random(-size, size), random(-size, size), random(-size, size)};
+    };
+    const real dt = 1.0 / 64, radius = 0.5;
+    const vec3 d = vector(1).normalized(), spin_a = vector(0.5), spin_b = vector(0.5);
+    // They close their gap up to four times.
+    const real gap = radius * std::exp(random(-8, -4));
+    vec3 v = vector(1);
+    v -= (v.dot(d) + random(0, 4) * gap / dt) * d;
+    const auto change = [&](const vec3& from) {
+      serial::link link;
+      world<balls> w(link);
+      w.material({.density = 1, .restitution = 0});
+      const auto a = w.add(body<sphere>{
+          .shape = {radius}, .position = from, .velocity = v, .angular_velocity = spin_a});
+      w.add(body<sphere>{.shape = {radius},
+                         .position = from - (2 * radius + gap) * d,
+                         .angular_velocity = spin_b});
+      w.step(dt);
+      return vec3(w[a].velocity() - v);
+    };
+    const vec3 here = change({0, 0, 0}), there = change({64, -32, 16});
+    CHECK((here - there).norm() < 1e-10);
+    ++(here.norm() > 1e-9 ? met : passed);
+  }
+  MESSAGE(met << " meet, " << passed << " pass");
+  CHECK(met > 50);
+  CHECK(passed > 50);
+}

@@ -52,6 +52,8 @@ class pair_motion {
   using store_a = body_store<ShapeA, typename Scenario::features>;
   using store_b = body_store<ShapeB, typename Scenario::features>;
   static constexpr bool driven = !Paired && state_type::drives;
+  static constexpr bool two_spheres =
+      std::is_same_v<ShapeA, sphere> && std::is_same_v<ShapeB, sphere>;
 
  public:
   pair_motion(const state_type& s, const store_a& a, const store_b& b)
@@ -98,8 +100,8 @@ class pair_motion {
   [[nodiscard]] path path_by_contact(std::size_t i, std::size_t j, const vec3& at_a,
                                      const vec3& at_b, real slack,
                                      const contact_geometry& g) const {
-    if constexpr (!is_smooth<ShapeA> || !is_smooth<ShapeB> || driven) {
-      return path::unknown;
+    if constexpr (!is_smooth<ShapeA> || !is_smooth<ShapeB> || driven || two_spheres) {
+      return path::unknown;  // (of two spheres meet_on_paths() is as fast)
     } else {
       const ShapeA& a = a_.shape[i];
       const ShapeB& b = b_.shape[j];
@@ -130,7 +132,7 @@ class pair_motion {
                                    real slack) const {
     if constexpr (!ShapeB::finite) {
       return true;
-    } else if constexpr (std::is_same_v<ShapeA, sphere> && std::is_same_v<ShapeB, sphere>) {
+    } else if constexpr (two_spheres) {
       return points_come_near(at_a - at_b, way_past(i, j, at_a, at_b),
                               a_.shape[i].radius + b_.shape[j].radius + touching_part * slack);
     } else {
