@@ -138,6 +138,41 @@ TEST_CASE("the nearest points of ellipsoids lie on both surfaces, with one norma
   CHECK(found_pairs > 3000);
 }
 
+TEST_CASE("contacts of ellipsoids and balls of all sizes are those of usual ones, scaled") {
+  int compared = 0;
+  for (int power = -119; power <= 119; ++power)
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      INFO("size 1e" << power << ", seed " << seed);
+      generator random{std::mt19937_64(seed)};
+      const ellipsoid a = random_ellipsoid(random), b = random_ellipsoid(random);
+      const sphere ball{random(0.3, 1)};
+      const real size = random(1, 2) * std::pow(10, power);
+      const pose at{{0, 0, 0}, random.turn()};
+      pose there{3 * random.point(1).normalized(), random.turn()};
+      const auto compare = [&](const auto& other, const auto& larger_one) {
+        // To a gap beside the margin, or a small overlap.
+        const real gap = random(-0.01, 0.1), margin = 0.05;
+        for (int k = 0; k < 2; ++k)
+          for (const contact_geometry& g : find(a, at, other, there, 10))
+            there.position += (g.gap - gap) * g.normal;
+        pose far = there;
+        far.position = size * there.position;
+        const contacts usual = find(a, at, other, there, margin);
+        const contacts scaled = find(ellipsoid{size * a.radii}, at, larger_one, far, size * margin);
+        REQUIRE(usual.size() == scaled.size());
+        for (std::size_t k = 0; k < usual.size(); ++k) {
+          CHECK(std::abs(scaled[k].gap / size - usual[k].gap) < 1e-10);
+          CHECK((scaled[k].normal - usual[k].normal).norm() < 1e-10);
+          CHECK((scaled[k].point / size - usual[k].point).norm() < 1e-10);
+          ++compared;
+        }
+      };
+      compare(b, ellipsoid{size * b.radii});
+      compare(ball, sphere{size * ball.radius});
+    }
+  CHECK(compared > 3000);
+}
+
 TEST_CASE("the nearest points of an ellipsoid and any other shape are exact") {
   int all = 0;
   for (std::uint64_t seed = 1; seed <= 20000; ++seed) {

@@ -32,9 +32,20 @@ class ellipsoid_climb {
   /// Begins with a good normal: of two balls, and of ellipsoids of one form and orientation, with
   /// the best. Returns the lanes that have one and in which its gap is not above `limit`.
   mask begin() {
-    const vector first = start();
-    const Pack squared = dot(first, first);
-    const mask known = squared > Pack{};
+    const Pack one = number(1);
+    vector first = start(one, one);
+    // Its square has ten lengths as factors: those of tiny and huge bodies are scaled.
+    const auto usual = [&] {
+      const Pack squared = dot(first, first);
+      return both(squared > number(1e-250), squared < number(1e250));
+    };
+    mask known = usual();
+    if (!all_lanes(known)) {
+      const Pack largest = larger(trace_of(a), Ball ? ball * ball : trace_of(b));
+      const Pack away = larger(larger(size_of(apart.x), size_of(apart.y)), size_of(apart.z));
+      first = choose(known, first, start(one / largest, one / away));
+      known = usual();
+    }
     move_to(at(unit(choose(known, first, vector{number(1), {}, {}}))), known);
     beyond = both(known, gap > limit);
     return both(known, inverted(beyond));
@@ -157,16 +168,20 @@ class ellipsoid_climb {
     if constexpr (!Ball) add(b, on_b - apart, over_b_);
     return sum;
   }
-  /// Along the first normal.
-  [[gnu::always_inline]] vector start() const {
+  [[gnu::always_inline]] static Pack trace_of(const pack_matrix<Pack>& m) {
+    return m.x.x + m.y.y + m.z.z;
+  }
+  /// Along the first normal, of matrices and a distance that are multiplied by these factors.
+  [[gnu::always_inline]] vector start(const Pack& of_matrices, const Pack& of_distance) const {
     pack_matrix<Pack> s = a;
     if constexpr (Ball)
       s.x.x += ball * ball, s.y.y += ball * ball, s.z.z += ball * ball;
     else
       s.x += b.x, s.y += b.y, s.z += b.z;
+    s.x = of_matrices * s.x, s.y = of_matrices * s.y, s.z = of_matrices * s.z;
+    const vector d = of_distance * apart;
     // The direction of the inverse of s times the distance, by the cofactors of s.
-    return {-dot(crossed(s.y, s.z), apart), -dot(crossed(s.z, s.x), apart),
-            -dot(crossed(s.x, s.y), apart)};
+    return {-dot(crossed(s.y, s.z), d), -dot(crossed(s.z, s.x), d), -dot(crossed(s.x, s.y), d)};
   }
 
   Pack over_a_{}, over_b_{};  ///< see points
