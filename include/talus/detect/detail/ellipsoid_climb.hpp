@@ -24,10 +24,10 @@ class ellipsoid_climb {
   Pack limit;              ///< a lane ends as soon as the gap of any normal is above it
   Pack smallest;           ///< radius of a ball that is inside both bodies
 
-  vector normal;        ///< the best one
-  vector on_a, on_b;    ///< support points along it
-  Pack gap;             ///< along it; above `limit` if the lane has ended there
-  mask beyond, summit;  ///< the gap is above `limit`; the normal is the best of those around it
+  vector normal{};          ///< the best one
+  vector on_a{}, on_b{};    ///< support points along it
+  Pack gap{};               ///< along it; above `limit` if the lane has ended there
+  mask beyond{}, summit{};  ///< the gap is above `limit`; the normal is the best of those around it
 
   /// Begins with a good normal: of two balls, and of ellipsoids of one form and orientation, with
   /// the best. Returns the lanes that have one and in which its gap is not above `limit`.
@@ -55,7 +55,7 @@ class ellipsoid_climb {
     const Pack zero{}, one = number(1), half = number(0.5);
     const Pack size = square_root(dot(apart, apart)) + smallest + ball;
     mask active = begin();
-    summit = both(active, inverted(active));
+    summit = mask{};
     Pack last = number(1e300), turn = last;  // the square of the last turn
     for (int k = 0; k < 30; ++k) {
       const mask above = both(active, gap > limit);
