@@ -48,7 +48,7 @@ class ellipsoid_batch {
       met |= climb(near + first, std::min(lanes, size - first));
     return met;
   }
-  /// Bit k is set if pair k is one for collide_views().
+  /// Bit k is set if the function of single pairs has to compute pair k.
   [[nodiscard]] unsigned uncertain() const { return uncertain_; }
   /// The contact of a pair, if the centre of its first body is at `origin`.
   [[nodiscard]] contact_geometry contact(std::size_t k, const vector3<Real>& origin) const {
