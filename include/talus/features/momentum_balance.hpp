@@ -5,7 +5,6 @@
 
 #include "talus/constraint/contact_work.hpp"
 #include "talus/core/exact_sum.hpp"
-#include "talus/core/portable_powers.hpp"
 #include "talus/features/energy_ledger/energy_ledger.hpp"
 #include "talus/state/solved_velocity.hpp"
 #include "talus/state/state.hpp"
@@ -56,11 +55,14 @@ template <class Scenario>
 void book_momentum(world_state<Scenario>& s) {
   momentum_record& r = s.monitors.momentum;
   r = {};
-  const real lost = s.damping == 1 ? 0 : 1 - portable::pow(s.damping, s.dt);
+  const real kept = kept_by_damping(s), lost = 1 - kept;
   each_moving_local(s, [&](auto& store, std::size_t i, std::size_t k) {
     if (!store.moves(i)) return;
     const real mass = 1 / store.inverse_mass[i];
-    r.before += vec3(mass * store.velocity[i]);
+    vec3 first = mass * store.velocity[i];
+    if constexpr (world_state<Scenario>::midpoint)
+      if (lost != 0) first /= kept, r.damping += vec3(-lost * first);
+    r.before += first;
     r.gravity += vec3((s.dt * mass) * s.gravity);
     if constexpr (std::remove_cvref_t<decltype(store)>::forced)
       r.forces += vec3(s.dt * store.force[i]);

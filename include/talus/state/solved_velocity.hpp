@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "talus/core/math.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/state/state.hpp"
 
 namespace talus::detail {
@@ -21,6 +22,14 @@ template <class Scenario>
 [[nodiscard]] bool finishes_impacts(const world_state<Scenario>& s) {
   return !world_state<Scenario>::has_joints && s.materials.rebounds() && !presses(s) &&
          s.settings.tolerance == 0;
+}
+
+/// The part of all velocities that damping leaves where it acts: at the end of the response, and
+/// with the midpoint, whose step is of second order thereby, at its beginning too.
+template <class Scenario>
+[[nodiscard]] real kept_by_damping(const world_state<Scenario>& s) {
+  const real time = world_state<Scenario>::midpoint ? real(0.5) * s.dt : s.dt;
+  return s.damping == 1 ? 1 : portable::pow(s.damping, time);
 }
 
 // Always inlined: each is a line or two of the loops that call it.

@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include "talus/core/plain_vector.hpp"
-#include "talus/core/portable_powers.hpp"
 #include "talus/motion/mean_rotation.hpp"
 #include "talus/state/state.hpp"
 #include "talus/step/moved_joints.hpp"
@@ -43,7 +42,7 @@ template <class Scenario>
                                         moved_joints<Scenario>& joints,
                                         plain_vector<body_step>& steps) {
   const plain_vector<joint_end>& before = joints.before;
-  const real dt = s.dt, kept = s.damping == 1 ? 1 : portable::pow(s.damping, dt);
+  const real dt = s.dt, kept = kept_by_damping(s);
   steps.assign(joints.ends.size(), body_step{});
   const auto push = [&](const moved_joint& j, const joint_line& x, real p) {
     if (joints.bodies.moves(j.a)) steps[static_cast<std::size_t>(j.a)].push(x, x.moment_a, p);

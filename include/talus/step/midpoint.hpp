@@ -7,6 +7,7 @@
 #include "talus/features/driven/driven.hpp"
 #include "talus/features/energy_ledger/energy_ledger.hpp"
 #include "talus/motion/integrate.hpp"
+#include "talus/state/solved_velocity.hpp"
 #include "talus/state/state.hpp"
 
 namespace talus::detail {
@@ -20,6 +21,19 @@ void drift_freely(Store& store, std::size_t i, real dt) {
                                               store.shape[i].inertia(), dt);
   else if constexpr (Store::oriented)
     store.orientation_of[i] = turned<real>(store.orientation_of[i], dt * store.angular_velocity[i]);
+}
+
+/// Damps the velocities of body i of a shape, which are then those before the response.
+template <class Scenario, class Store>
+void damp_midway(world_state<Scenario>& s, Store& store, std::size_t i, real kept) {
+  if constexpr (monitored<Scenario, energy_ledger>)
+    if (i < store.locals) {
+      const real motion = store.velocity[i].squaredNorm() / store.inverse_mass[i];
+      const real spin =
+          twice_spin_energy(store, i, store.pose(i).orientation, store.angular_velocity[i]);
+      s.monitors.energy.running.damping += real(0.5) * (1 - kept * kept) * (motion + spin);
+    }
+  store.velocity[i] *= kept, store.angular_velocity[i] *= kept;
 }
 
 /// Driven bodies move by half of their step.
@@ -38,7 +52,7 @@ void drift_driven(world_state<Scenario>& s) {
 /// Moves all bodies to the middle of the step.
 template <class Scenario>
 void drift_to_midpoint(world_state<Scenario>& s) {
-  const real half = real(0.5) * s.dt;
+  const real half = real(0.5) * s.dt, kept = kept_by_damping(s);
   std::size_t k = 0;
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
@@ -64,6 +78,7 @@ void drift_to_midpoint(world_state<Scenario>& s) {
           store.position[i] = copy.home;
           if (copy.image != 0) store.position[i] += s.own.box().shift(copy.image);
         }
+      if (kept != 1) damp_midway(s, store, i, kept);
     }
     ++k;
   });

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <type_traits>
 
-#include "talus/core/portable_powers.hpp"
 #include "talus/detect/narrow.hpp"
 #include "talus/detect/nearest_approach.hpp"
 #include "talus/features/continuous_collision/continuous.hpp"
@@ -237,7 +236,7 @@ class pair_motion {
     const real gained = divided ? real(0.5) * s_.dt + half_part(s_) : s_.dt;  // in the mean
     f.velocity = store.velocity[i] + gained * f.acceleration;
     f.acceleration = {0, 0, 0};
-    if (s_.damping != 1) f.velocity *= portable::pow(s_.damping, s_.dt);
+    if (s_.damping != 1) f.velocity *= kept_by_damping(s_);
     return f;
   }
   /// How far the first body moves in this step relative to the second, at its centre.

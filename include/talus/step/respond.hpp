@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "talus/constraint/cohesion.hpp"
-#include "talus/core/portable_powers.hpp"
 #include "talus/features/continuous_collision/continuous.hpp"
 #include "talus/ghosts/shared_velocities.hpp"
 #include "talus/motion/integrate.hpp"
@@ -193,7 +192,7 @@ void respond(world_state<Scenario>& s) {
 template <class Scenario>
 void integrate(world_state<Scenario>& s) {
   const auto& solver = s.solver;
-  const real kept = s.damping == 1 ? 1 : portable::pow(s.damping, s.dt);
+  const real kept = kept_by_damping(s);
   s.each_finite_shape([&](auto& b) {
     auto& store = b.movable;
     using store_type = std::remove_reference_t<decltype(store)>;

@@ -9,7 +9,6 @@
 #include "talus/core/exact_batch.hpp"
 #include "talus/core/exact_sum.hpp"
 #include "talus/core/plain_vector.hpp"
-#include "talus/core/portable_powers.hpp"
 #include "talus/motion/integrate.hpp"
 #include "talus/state/monitors.hpp"
 #include "talus/state/solved_velocity.hpp"
@@ -364,7 +363,7 @@ template <class Scenario>
 void book_response(world_state<Scenario>& s) {
   energy_record& r = s.monitors.energy;
   const auto& solver = s.solver;
-  const real kept = s.damping == 1 ? 1 : portable::pow(s.damping, s.dt), lost = 1 - kept * kept;
+  const real kept = kept_by_damping(s), lost = 1 - kept * kept;
   r.mean.resize(solver.bodies.size());
   s.each_finite_shape([&](const auto& b) {
     for (std::size_t i = 0; i < b.movable.size(); ++i) {
@@ -387,7 +386,7 @@ void book_response(world_state<Scenario>& s) {
     const vec3 pull = (s.dt * mass) * s.gravity;
     // Gravity changes the speed at the mean velocity and the height at the last one.
     if constexpr (world_state<Scenario>::midpoint)  // and the height at both, half of the time each
-      r.running.scheme += (real(0.5) * (1 - kept)) * pull.dot(v);
+      r.running.scheme += (real(0.5) * (1 - kept)) * pull.dot(vec3(v - store.velocity[i] / kept));
     else
       r.running.scheme += pull.dot(mean.v - kept * v);
     if constexpr (store_type::forced)
