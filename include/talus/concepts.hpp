@@ -125,7 +125,8 @@ concept finite_shape = shape<Shape> && Shape::finite &&
 ///   are computed for each pair
 /// - `smallest_curvature_radius()`: overlaps of smooth shapes up to it have one normal only, which
 ///   is found without a search for others
-/// - `largest_curvature_radius()`: with the smallest one, the velocities at a contact decide whether
+/// - `largest_curvature_radius()`: with the smallest one, the velocities at a contact decide
+/// whether
 ///   such shapes meet in a step; both must then bound the radii of curvature of the whole surface
 /// - `level(p)`: the surface as the level of a convex function (shape/surface_level.hpp), for exact
 ///   points where a smooth shape is flat
