@@ -60,21 +60,20 @@ class exact_islands {
     };
     parts_.find_changes(lists, may_stall);
     share_figures(s, exchange);
-    std::map<system_id, const island*> active;  // by the name of the own part
-    std::map<system_id, island> islands;        // by the least name
+    std::map<system_id, const island*> active;   // by the name of the own part
+    std::map<system_id, const island*> islands;  // by the least name
     for (const found& part : parts_.all()) {
       if (part.ranks.empty() && !may_stall(part.about.figures)) continue;
       const island& one = known_.island_of(part.about.name);
       if (!one.whole || !may_stall(one.all)) continue;
-      const system_id first = one.names[0];
-      active[part.about.name] = &islands.emplace(first, one).first->second;
+      active[part.about.name] = islands[one.names[0]] = &one;
     }
     share_problems(lists, s, active, exchange);
     std::map<system_id, single_island> solved;
     for (const auto& [first, one] : islands) {
       single_island problem;
-      for (const system_id name : one.names) problem.add(problems_.all.at(name));
-      if (!problem.solve(s.fall, one.all, precision, s.limits)) continue;
+      for (const system_id name : one->names) problem.add(problems_.all.at(name));
+      if (!problem.solve(s.fall, one->all, precision, s.limits)) continue;
       solved.emplace(first, std::move(problem));
       if (active.contains(first)) s.islands.solved();  // counts on one of its ranks
     }
@@ -108,9 +107,8 @@ class exact_islands {
     std::vector<sorted_ids> asked(ranks.size());  // bodies of large parts
     figures_.exchange_all(
         [&](std::size_t n, auto&& f) {
-          each_on_line(ranks[n], [&](const found& part) {
-            for (const system_id name : known_.island_of(part.about.name).names) f(name);
-          });
+          each_name(
+              ranks[n], [&](system_id part) { return &known_.island_of(part); }, f);
           for (const system_id body : asked[n]) f(body);
         },
         [&](std::size_t n) { return known_.are_whole(figures_.lines[n].sent); },
@@ -130,44 +128,45 @@ class exact_islands {
   void share_problems(std::span<const access> lists, const State& s,
                       const std::map<system_id, const island*>& active, Exchange& exchange) {
     problems_.clear();
-    std::map<system_id, std::vector<system_id>> names;
+    std::set<int> ranks;
     for (found& part : parts_.all())
-      if (const auto at = active.find(part.about.name); at != active.end()) {
+      if (active.contains(part.about.name)) {
         parts_.collect(part, lists);
         problems_.all[part.about.name] = problem_of(part, lists, s);
-        names[part.about.name] = at->second->names;
+        ranks.insert(part.ranks.begin(), part.ranks.end());
       }
-    share(problems_, names, exchange);
-  }
-  /// Shares a record of each part of some islands, which all their ranks name alike; `names` holds
-  /// the parts of the island of each own part.
-  template <class Exchange>
-  void share(travelling_records& records, const std::map<system_id, std::vector<system_id>>& names,
-             Exchange& exchange) {
-    std::set<int> ranks;
-    for (const found& part : parts_.all())
-      if (names.contains(part.about.name)) ranks.insert(part.ranks.begin(), part.ranks.end());
-    for (const int rank : ranks) records.lines.push_back({.rank = rank, .open = true, .sent = {}});
-    const auto each_name = [&](std::size_t n, auto&& f) {
-      each_on_line(records.lines[n].rank, [&](const found& part) {
-        if (const auto at = names.find(part.about.name); at != names.end())
-          for (const system_id name : at->second) f(name);
-      });
+    for (const int rank : ranks)
+      problems_.lines.push_back({.rank = rank, .open = true, .sent = {}});
+    const auto each_needed = [&](std::size_t n, auto&& f) {
+      each_name(
+          problems_.lines[n].rank,
+          [&](system_id part) {
+            const auto at = active.find(part);
+            return at == active.end() ? nullptr : at->second;
+          },
+          f);
     };
-    records.exchange_all(
-        each_name,
+    problems_.exchange_all(
+        each_needed,
         [&](std::size_t n) {
           bool complete = true;
-          each_name(n, [&](system_id name) { complete &= records.lines[n].sent.contains(name); });
+          each_needed(n,
+                      [&](system_id name) { complete &= problems_.lines[n].sent.contains(name); });
           return complete;
         },
         [](system_id, const byte_buffer&, std::size_t) {}, exchange);
   }
-  /// Calls f(part) for the parts that touch bodies of a rank.
-  template <class F>
-  void each_on_line(int rank, F&& f) {
-    for (const found& part : parts_.all())
-      if (std::find(part.ranks.begin(), part.ranks.end(), rank) != part.ranks.end()) f(part);
+  /// Calls f(name) for the parts of the islands of which an own part touches bodies of a rank.
+  /// `island_of(name)` returns the island of an own part, or null.
+  template <class IslandOf, class F>
+  void each_name(int rank, IslandOf&& island_of, F&& f) {
+    std::set<const island*> done;
+    for (const found& part : parts_.all()) {
+      if (std::find(part.ranks.begin(), part.ranks.end(), rank) == part.ranks.end()) continue;
+      const island* const one = island_of(part.about.name);
+      if (one == nullptr || !done.insert(one).second) continue;
+      for (const system_id name : one->names) f(name);
+    }
   }
   byte_buffer problem_of(const found& part, std::span<const access> lists, const State& s) const {
     byte_buffer bytes;

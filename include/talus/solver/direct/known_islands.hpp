@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
+#include <set>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -12,6 +14,7 @@
 #include "talus/core/id.hpp"
 #include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/sort.hpp"
 #include "talus/solver/direct/island_parts.hpp"
 #include "talus/solver/direct/stalled_figures.hpp"
 #include "talus/solver/direct/travelling_records.hpp"
@@ -29,7 +32,7 @@ class known_islands {
 
   void clear(const island_limits& limits) {
     limits_ = limits;
-    known_.clear(), part_of_.clear(), islands_.clear();
+    known_.clear(), part_of_.clear(), forget_islands();
     unresolved_ = true;
   }
   /// Adds a part.
@@ -39,12 +42,16 @@ class known_islands {
     known_[part.name] = {part, {}};
     unresolved_ = true;
   }
-  /// The parts that are known to form an island with an own one.
+  /// The parts that are known to form an island with this one; the same object for each of these,
+  /// until enter() or clear().
   [[nodiscard]] const island& island_of(system_id name) {
     resolve();
-    const auto [at, is_new] = islands_.try_emplace(name);
-    if (is_new) at->second = island_among(name, nullptr);
-    return at->second;
+    const auto [at, is_new] = island_of_.try_emplace(name);
+    if (is_new) {
+      const island& one = islands_.emplace_back(island_among(name, nullptr));
+      for (const system_id other : one.names) island_of_[other] = &one;
+    }
+    return *island_of_.at(name);
   }
   /// Whether the islands of these parts are whole, or left out, if only these are known.
   [[nodiscard]] bool are_whole(const sorted_ids& names) {
@@ -103,6 +110,7 @@ class known_islands {
   [[nodiscard]] island island_among(system_id name, const sorted_ids* only) const {
     island one;
     one.names.push_back(name);
+    std::set<system_id> met{name};
     for (std::size_t n = 0; n < one.names.size(); ++n) {
       const known_part& part = known_.at(one.names[n]);
       one.all.add(part.about.figures);
@@ -110,7 +118,7 @@ class known_islands {
       for (const system_id other : part.touching)
         if (only != nullptr && !only->contains(other))
           one.whole = false;
-        else if (std::find(one.names.begin(), one.names.end(), other) == one.names.end())
+        else if (met.insert(other).second)
           one.names.push_back(other);
     }
     std::sort(one.names.begin(), one.names.end());
@@ -119,7 +127,7 @@ class known_islands {
   /// Finds what the known parts touch, if more are known than before.
   void resolve() {
     if (!std::exchange(unresolved_, false)) return;
-    islands_.clear();
+    forget_islands();
     for (auto& [name, part] : known_) {
       if (!std::exchange(part.open, false)) continue;
       part.touching.clear();
@@ -127,17 +135,21 @@ class known_islands {
         const auto at = part_of_.find(value_of(other));
         if (at == part_of_.end())
           part.open = true;
-        else if (std::find(part.touching.begin(), part.touching.end(), at->second) ==
-                 part.touching.end())
+        else
           part.touching.push_back(at->second);
       }
+      sort_values(part.touching);
+      part.touching.erase(std::unique(part.touching.begin(), part.touching.end()),
+                          part.touching.end());
     }
   }
+  void forget_islands() { islands_.clear(), island_of_.clear(); }
 
   island_limits limits_;
   std::map<system_id, known_part> known_;
   bool unresolved_ = false;                               ///< what the known parts touch
-  std::map<system_id, island> islands_;                   ///< of own parts
+  std::deque<island> islands_;                            ///< that were asked for
+  std::map<system_id, const island*> island_of_;          ///< of their parts
   std::unordered_map<std::uint64_t, system_id> part_of_;  ///< of a body with ties
 };
 
