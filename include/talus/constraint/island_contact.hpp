@@ -16,7 +16,6 @@ struct island_contact {
   vec3 impulse;                     ///< on a, in the world
   std::array<real, 2> drive{0, 0};  ///< tangential velocity of a against b by immovable bodies
   real correction_rate = 0;         ///< of separation, for the position correction
-  bool strikes = false;             ///< an impact rebounds in this step
 };
 
 }  // namespace talus::detail

@@ -226,15 +226,6 @@ class coloured_list : public contact_sums<coloured_list<Contact>, Contact> {
     for (std::size_t k = 0; k < used_; ++k) sum += colours_[k].parts[number(p)].row.size();
     return sum;
   }
-  [[nodiscard]] plain_pair<std::int32_t, std::int32_t> bodies(contact_part p, std::size_t i) const {
-    const auto [of, k] = place(p, i);
-    if constexpr (requires { of->row.bodies(k); }) {
-      return of->row.bodies(k);
-    } else {
-      const Contact c = of->row[k];
-      return {c.a, Contact::paired ? c.b : -1};
-    }
-  }
   /// Calls f(a, b) for the bodies of each contact, in this order.
   template <class F>
   void each_ends(contact_part p, F&& f) const {

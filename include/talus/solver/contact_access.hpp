@@ -140,7 +140,6 @@ inline constexpr contact_calls<typename List::state> calls_for = [] {
       one.drive = {-bias[1], -bias[2]};
     }
     one.correction_rate = c.correction_rate;
-    one.strikes = strikes(c);
     return one;
   };
   if constexpr (requires(List & list) { list.each_numbered({}, {}, [](auto&, std::size_t) {}); }) {
