@@ -27,13 +27,12 @@ template <class Pack>
   return {n, {1 + sign * n.x * n.x * p, sign * q, -sign * n.x}, {q, sign + n.y * n.y * p, -n.y}};
 }
 
-/// F T F^T, symmetric.
+/// F T F^T.
 template <class Pack>
-[[nodiscard]] [[gnu::always_inline]] inline pack_matrix<Pack> turned_tensors(
-    const pack_matrix<Pack>& f, const pack_matrix<Pack>& t) {
+[[nodiscard]] [[gnu::always_inline]] inline pack_symmetric<Pack> turned_tensors(
+    const pack_matrix<Pack>& f, const pack_symmetric<Pack>& t) {
   const pack_vector<Pack> x = t.times(f.x), y = t.times(f.y), z = t.times(f.z);
-  const Pack xy = dot(f.x, y), xz = dot(f.x, z), yz = dot(f.y, z);
-  return {{dot(f.x, x), xy, xz}, {xy, dot(f.y, y), yz}, {xz, yz, dot(f.z, z)}};
+  return {dot(f.x, x), dot(f.x, y), dot(f.x, z), dot(f.y, y), dot(f.y, z), dot(f.z, z)};
 }
 
 template <bool Biased, class Pack>
@@ -68,8 +67,9 @@ struct manifold_block {
 
   pack_matrix<Pack> frame;   ///< rows: normal, tangent, tangent
   pack_vector<Pack> offset;  ///< from the centre of b to that of a
-  pack_matrix<Pack> tensor_a, tensor_b;
-  pack_matrix<Pack> vv, wv, ww;  ///< the mobility: velocity and spin, each row for one of them
+  pack_symmetric<Pack> tensor_a, tensor_b;
+  pack_matrix<Pack> vv, wv;  ///< the mobility: velocity and spin, each row for one of them
+  pack_symmetric<Pack> ww;
   std::int32_t a[lanes], b[lanes];
   std::uint32_t first = 0, depth = 0;  ///< its layers
   std::uint32_t filled = 0;            ///< lanes, from the first; the others repeat its bodies
@@ -85,6 +85,7 @@ struct manifold_work {
   using bodies = std::int32_t[lanes];
   using vectors = pack_vector<Pack>;
   using matrices = pack_matrix<Pack>;
+  using symmetric = pack_symmetric<Pack>;
 
   static void prepare(block& p, layer* layers, const solver_state& s) {
     const auto& at = layers[0].at;
@@ -92,7 +93,7 @@ struct manifold_work {
     p.frame =
         frames_around(vector(gather<Pack>([&](int i) { return row_of(*at[i], at[i]->normal); })));
     Pack mass;
-    const auto tensors = [&](const bodies& of, matrices& t) {
+    const auto tensors = [&](const bodies& of, symmetric& t) {
       const auto number = [&](int i) {
         return s.tensors.data() + (static_cast<std::size_t>(of[i]) - s.first_tensor);
       };
@@ -102,9 +103,8 @@ struct manifold_work {
             [&](int i) { return row_from<real>(*number(i), number(i)->data()[first]); });
       };
       const pack_rows<Pack> low = from(1), high = from(5);
-      for (int i = 0; i < lanes; ++i) put_lane(t.x.x, i, (*number(i))(0, 0));
-      t.x.y = t.y.x = low.x, t.x.z = t.z.x = low.y, t.y.y = low.w;
-      t.y.z = t.z.y = high.x, t.z.z = high.w;
+      for (int i = 0; i < lanes; ++i) put_lane(t.xx, i, (*number(i))(0, 0));
+      t.xy = low.x, t.xz = low.y, t.yy = low.w, t.yz = high.x, t.zz = high.w;
     };
     const auto inverse_mass = [&](std::int32_t i) {
       return s.bodies[static_cast<std::size_t>(i)].inverse_mass;
@@ -118,11 +118,12 @@ struct manifold_work {
       p.offset = vector(gather<Pack>([&](int i) { return row_of(*at[i], at[i]->arm_b); })) -
                  vector(gather<Pack>([&](int i) { return row_of(*at[i], at[i]->arm_a); }));
       tensors(p.b, p.tensor_b);
-      const matrices g = turned_tensors(p.frame, p.tensor_b);
-      p.ww.x += g.x, p.ww.y += g.y, p.ww.z += g.z;
+      const symmetric g = turned_tensors(p.frame, p.tensor_b);
+      p.ww += g;
       const vectors c = p.frame.times(p.offset);
       // The rotation by an impulse, seen from a; and the motion of the centre of a by it.
-      p.wv = {c.z * g.y - c.y * g.z, c.x * g.z - c.z * g.x, c.y * g.x - c.x * g.y};
+      p.wv = {c.z * g.row_y() - c.y * g.row_z(), c.x * g.row_z() - c.z * g.row_x(),
+              c.y * g.row_x() - c.x * g.row_y()};
       const vectors mx = crossed(c, p.wv.x), my = crossed(c, p.wv.y), mz = crossed(c, p.wv.z);
       p.vv = {{mass - mx.x, zero - mx.y, zero - mx.z},
               {zero - my.x, mass - my.y, zero - my.z},
@@ -219,12 +220,12 @@ struct manifold_work {
       if (k + 1 == p.depth) break;
       if constexpr (paired) {
         n += p.vv.x.x * d + p.wv.x.y * my + p.wv.x.z * mz;
-        y += p.wv.x.y * d + p.ww.y.y * my + p.ww.y.z * mz;
-        z += p.wv.x.z * d + p.ww.y.z * my + p.ww.z.z * mz;
+        y += p.wv.x.y * d + p.ww.yy * my + p.ww.yz * mz;
+        z += p.wv.x.z * d + p.ww.yz * my + p.ww.zz * mz;
       } else {
         n += p.vv.x.x * d;
-        y += p.ww.y.y * my + p.ww.y.z * mz;
-        z += p.ww.y.z * my + p.ww.z.z * mz;
+        y += p.ww.yy * my + p.ww.yz * mz;
+        z += p.ww.yz * my + p.ww.zz * mz;
       }
     }
     const vectors r = impulse * f.x, m = moment_y * f.y + moment_z * f.z;
@@ -281,8 +282,8 @@ struct manifold_work {
       c.bias = p.frame.times({bias.x, bias.y, bias.z});
     }
     // The motion that each component of an impulse at the arm causes, and the velocity there.
-    vectors nw = r.z * p.ww.y - r.y * p.ww.z, xw = r.x * p.ww.z - r.z * p.ww.x,
-            yw = r.y * p.ww.x - r.x * p.ww.y;
+    const vectors wx = p.ww.row_x(), wy = p.ww.row_y(), wz = p.ww.row_z();
+    vectors nw = r.z * wy - r.y * wz, xw = r.x * wz - r.z * wx, yw = r.y * wx - r.x * wy;
     Pack nn, n1, n2, t11, t12, t22;
     if constexpr (paired) {
       // Columns of the velocity that a moment causes.

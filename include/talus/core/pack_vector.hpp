@@ -142,6 +142,23 @@ struct pack_matrix {
   }
 };
 
+/// Symmetric matrices, by the upper halves of their rows.
+template <class Pack>
+struct pack_symmetric {
+  Pack xx, xy, xz, yy, yz, zz;
+
+  [[nodiscard]] [[gnu::always_inline]] pack_vector<Pack> times(const pack_vector<Pack>& v) const {
+    return {xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z,
+            xz * v.x + yz * v.y + zz * v.z};
+  }
+  [[nodiscard]] [[gnu::always_inline]] pack_vector<Pack> row_x() const { return {xx, xy, xz}; }
+  [[nodiscard]] [[gnu::always_inline]] pack_vector<Pack> row_y() const { return {xy, yy, yz}; }
+  [[nodiscard]] [[gnu::always_inline]] pack_vector<Pack> row_z() const { return {xz, yz, zz}; }
+  [[gnu::always_inline]] void operator+=(const pack_symmetric& a) {
+    xx += a.xx, xy += a.xy, xz += a.xz, yy += a.yy, yz += a.yz, zz += a.zz;
+  }
+};
+
 #pragma GCC diagnostic pop
 
 }  // namespace talus::detail
