@@ -31,7 +31,7 @@ TEST_CASE("stacks under a load of up to 1e4 times their density rest, wherever d
       const cut_result r =
           run_cut<alike<>>(cells, 2, boxes + 1.13, 240, [&](auto& w) { stack(w, boxes, density); });
       CHECK(r.overlap < 1e-9);
-      CHECK(r.speed < 1e-7);
+      CHECK(r.speed < 3e-7);
       CHECK(r.islands > 0);
       if (first.empty()) first = r.digest;
       CHECK(r.digest == first);

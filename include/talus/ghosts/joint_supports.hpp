@@ -11,6 +11,7 @@
 #include "talus/core/bytes.hpp"
 #include "talus/core/each.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/ghosts/shared_joints.hpp"
 #include "talus/solver/direct/supported_loads.hpp"
 #include "talus/state/state.hpp"
@@ -41,7 +42,7 @@ class joint_supports {
         x.axes = c.axes(), x.arm = c.lever_a(), x.impulse = c.impulse();
         const auto& body = s_.solver.bodies[static_cast<std::size_t>(mover)];
         const vec3 u = c.relative_velocity(s_.solver);
-        x.slides = std::hypot(u[1], u[2]) >
+        x.slides = portable::hypot(u[1], u[2]) >
                    small * (v_of(body).norm() + s_.solver.speed + x.arm.norm() * w_of(body).norm());
         if (mover != c.a) x.arm = c.lever_b(), x.axes = -x.axes, x.impulse = -x.impulse;
         all.push_back(x);

@@ -12,6 +12,7 @@
 #include "talus/concepts.hpp"
 #include "talus/core/error.hpp"
 #include "talus/core/math.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/shape/convex_form.hpp"
 #include "talus/shape/detail/support_moments.hpp"
 #include "talus/shape/polyhedron_mesh.hpp"
@@ -182,7 +183,7 @@ struct untested_shape {
   return std::abs(d[2]) * f.half + f.rounding;
 }
 [[nodiscard]] inline real reach_along(const drum_form& f, const vec3& d) {
-  return std::hypot(d[0], d[1]) * f.radius + std::abs(d[2]) * f.half;
+  return portable::hypot(d[0], d[1]) * f.radius + std::abs(d[2]) * f.half;
 }
 [[nodiscard]] inline real reach_along(const ball_form& f, const vec3&) { return f.radius; }
 [[nodiscard]] inline real reach_along(const mesh_form& f, const vec3& d) {

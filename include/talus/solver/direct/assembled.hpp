@@ -13,6 +13,7 @@
 #include "talus/core/math.hpp"
 #include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/core/sort.hpp"
 
 namespace talus::detail {
@@ -109,7 +110,7 @@ struct assembled_problem {
 
 /// The point of the Coulomb cone |x_t| <= mu x_n nearest to x.
 [[nodiscard]] inline vec3 project_on_cone(const vec3& x, real mu) {
-  const real t = std::hypot(x[1], x[2]);
+  const real t = portable::hypot(x[1], x[2]);
   if (t <= mu * x[0]) return x;
   if (mu * t <= -x[0]) return {0, 0, 0};
   const real n = (x[0] + mu * t) / (1 + mu * mu);
@@ -131,7 +132,7 @@ struct contact_error {
   for (int i = 0; i < p.contacts(); ++i) {
     const vec3 ri = r(i);
     vec3 v = u(i);
-    v[0] += p.mu[i] * std::hypot(v[1], v[2]);
+    v[0] += p.mu[i] * portable::hypot(v[1], v[2]);
     sum += (ri - project_on_cone(ri - rho * v, p.mu[i])).squaredNorm();
   }
   return std::sqrt(sum);

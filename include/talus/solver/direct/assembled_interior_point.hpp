@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/solver/direct/assembled.hpp"
 #include "talus/solver/direct/block_system.hpp"
 
@@ -41,7 +42,7 @@ class assembled_interior_point {
     for (int i = 0; i < n; ++i) {
       const vec3 u = u_(i);
       vec3 gi = scale_[i].cwiseProduct(p_->q(i) + p_->row_product(i, plain)) - u;
-      gi[0] += std::hypot(u[1], u[2]);
+      gi[0] += portable::hypot(u[1], u[2]);
       if (smooth_at(i)) gi[1] = gi[2] = 0;
       g(i) = gi;
       together += r_(i).dot(u);
@@ -55,7 +56,7 @@ class assembled_interior_point {
       const vec3 r = r_(i), u = u_(i);
       scaling[i] = scaling_of(i, r, u);
       turn[i] = mat3::Identity();
-      const real t = std::hypot(u[1], u[2]);
+      const real t = portable::hypot(u[1], u[2]);
       if (t > 0) turn[i](0, 1) = -u[1] / t, turn[i](0, 2) = -u[2] / t;
       for (auto k = p_->start[i]; k < p_->start[i + 1]; ++k)
         system_.add(
@@ -83,7 +84,7 @@ class assembled_interior_point {
         if (smooth_at(i)) du(i)[1] = du(i)[2] = dr(i)[1] = dr(i)[2] = 0;
         length = std::min({length, reach(r_(i), dr(i)), reach(u_(i), du(i))});
       }
-      if (pass == 0) centring = std::clamp(std::pow(1 - length, 3), 1e-6, 1.);
+      if (pass == 0) centring = std::clamp(portable::pow(1 - length, 3), 1e-6, 1.);
     }
     length_ = std::min(1., std::max(0.9, 1 - average) * length);
     length_ = std::min(1., 0.98 * length);
@@ -112,7 +113,7 @@ class assembled_interior_point {
 
   static bool inside(const vec3& x) { return x[0] > 0 && determinant(x) > 0; }
   static real determinant(const vec3& x) {
-    const real t = std::hypot(x[1], x[2]);
+    const real t = portable::hypot(x[1], x[2]);
     return (x[0] - t) * (x[0] + t);
   }
   [[nodiscard]] vec3 inverse_of(int i, const vec3& r) const {

@@ -2,6 +2,7 @@
 // Newton's method for an assembled contact problem with a proximal term.
 
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/solver/direct/assembled.hpp"
 #include "talus/solver/direct/assembled_gauss_seidel.hpp"
 
@@ -102,7 +103,7 @@ class assembled_newton {
     at.y = r - at.rho * u;
     at.is = state::open;
     if (at.y[0] <= 0) return;
-    at.tangential = std::hypot(at.y[1], at.y[2]);
+    at.tangential = portable::hypot(at.y[1], at.y[2]);
     at.is = mu > 0 && at.tangential <= mu * at.y[0] ? state::sticks : state::slides;
   }
 

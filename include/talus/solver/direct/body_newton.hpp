@@ -11,6 +11,7 @@
 #include "talus/core/contact_vector.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/solver/direct/body_elimination.hpp"
 #include "talus/solver/direct/body_problem.hpp"
 
@@ -78,7 +79,7 @@ class body_newton {
       l.f = ri;
       return l;
     }
-    const real t = std::hypot(y[1], y[2]);
+    const real t = portable::hypot(y[1], y[2]);
     l.sticks = mu > 0 && t <= mu * y[0];
     l.f = rho(i) * ui;
     if (l.sticks) return l;

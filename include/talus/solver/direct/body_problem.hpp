@@ -13,6 +13,7 @@
 #include "talus/core/math.hpp"
 #include "talus/core/plain_pair.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/core/sort.hpp"
 #include "talus/solver/direct/assembled.hpp"
 #include "talus/solver/direct/body_elimination.hpp"
@@ -126,7 +127,7 @@ class body_problem {
       const vec3 ri = r(i);
       vec3 v = u(i);
       const real mu = contacts_[at(i)].mu;
-      v[0] += mu * std::hypot(v[1], v[2]);
+      v[0] += mu * portable::hypot(v[1], v[2]);
       sum += (ri - project_on_cone(ri - rho * v, mu)).squaredNorm();
     }
     return std::sqrt(sum);

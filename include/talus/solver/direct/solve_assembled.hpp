@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "talus/core/portable_powers.hpp"
 #include "talus/solver/direct/assembled.hpp"
 #include "talus/solver/direct/assembled_gauss_seidel.hpp"
 #include "talus/solver/direct/assembled_interior_point.hpp"
@@ -123,7 +124,7 @@ class assembled_solver {
       if (least_ < 0.1 * look(swept_)) swept_ = best_;
       sweeps(static_cast<int>(std::min(std::ldexp(3 * exchange, longer), 1e9)), false);
       if (affordable)
-        proximal(std::pow(real{10}, -3 - round / 11 % 4) * mean_, 10 + 5 * longer, 6, 15);
+        proximal(portable::pow(real{10}, -3 - round / 11 % 4) * mean_, 10 + 5 * longer, 6, 15);
     }
   }
 
@@ -138,8 +139,8 @@ class assembled_solver {
       done += burst;
       const real e = look(swept_);
       if (to_pay && done >= std::max(10, count / 10)) {
-        const real rate = std::log(e / then) / (done - before);  // of the logarithm, per sweep
-        if (!(rate < 0 && std::log(tolerance_ / e) / rate < count)) break;
+        const real rate = portable::log(e / then) / (done - before);  // of the logarithm, per sweep
+        if (!(rate < 0 && portable::log(tolerance_ / e) / rate < count)) break;
       }
       if (done >= 2 * before) {
         before = done;

@@ -12,6 +12,7 @@
 #include "talus/core/contact_vector.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/solver/direct/body_elimination.hpp"
 #include "talus/solver/direct/support_graph.hpp"
 
@@ -160,7 +161,7 @@ class support_balance : public support_graph {
       if (c.b >= 0) v -= of_point(v_[at(c.b)], c.arm_b);
       vec3 u = c.axes * v;
       u[0] -= c.target_velocity, u[1] += c.drive[0], u[2] += c.drive[1];
-      if (c.friction > 0) u[0] += c.friction * std::hypot(u[1], u[2]);
+      if (c.friction > 0) u[0] += c.friction * portable::hypot(u[1], u[2]);
       const vec3& r = r_(static_cast<int>(i));
       sum += (r - project_on_cone(r - rho_ * u, c.friction)).squaredNorm();
     }
@@ -342,8 +343,8 @@ class support_balance : public support_graph {
     for (std::size_t k = first; k < end && all; ++k) {
       const support& c = supports_[k];
       const vec3& r = r_(c.contact);
-      all =
-          c.open ? velocity(c)[0] >= -least_ : std::hypot(r[1], r[2]) <= contact(c).friction * r[0];
+      all = c.open ? velocity(c)[0] >= -least_
+                   : portable::hypot(r[1], r[2]) <= contact(c).friction * r[0];
     }
     if (all) return;
     own_.clear();

@@ -12,6 +12,7 @@
 #include "talus/contact/key.hpp"
 #include "talus/core/math.hpp"
 #include "talus/core/plain_vector.hpp"
+#include "talus/core/portable_powers.hpp"
 #include "talus/solver/direct/articulated_rows.hpp"
 #include "talus/solver/direct/articulated_system.hpp"
 #include "talus/solver/direct/shared_loads.hpp"
@@ -100,7 +101,7 @@ class supported_loads : private articulated_rows {
     for (std::size_t k = 0; k < 3; ++k) lines_[3 * i + k].use = line_use::off;
   }
   [[nodiscard]] real sliding(std::size_t i) const {
-    return std::hypot(impulses_[3 * i + 1], impulses_[3 * i + 2]);
+    return portable::hypot(impulses_[3 * i + 1], impulses_[3 * i + 2]);
   }
 
   void share() {
@@ -142,7 +143,7 @@ class supported_loads : private articulated_rows {
       const auto at = [&](std::size_t k) {
         return start[3 * i + k] + part * (impulses_[3 * i + k] - start[3 * i + k]);
       };
-      return std::hypot(at(1), at(2)) - mu * at(0);
+      return portable::hypot(at(1), at(2)) - mu * at(0);
     };
     if (excess(1) <= 0) return 1;
     real inside = 0, outside = 1;  // the cone is convex
