@@ -16,6 +16,21 @@ namespace {
 
 using scene = scenario<bodies<ellipsoid, sphere>, transport<serial>>;
 
+class dice {
+ public:
+  explicit dice(std::uint64_t seed) : engine_(seed) {}
+  real operator()(real low, real high) {
+    return std::uniform_real_distribution<real>(low, high)(engine_);
+  }
+  vec3 vector(real size) {
+    const real x = (*this)(-size, size), y = (*this)(-size, size), z = (*this)(-size, size);
+    return {x, y, z};
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
 struct decided {
   int meet = 0, pass = 0, unknown = 0;
 };
@@ -26,13 +41,8 @@ decided compare(std::uint64_t first_seed, const B& other) {
   decided sum;
   for (std::uint64_t seed = first_seed; seed < first_seed + 400; ++seed) {
     INFO("seed " << seed);
-    std::mt19937_64 engine(seed);
-    const auto random = [&](real low, real high) {
-      return std::uniform_real_distribution<real>(low, high)(engine);
-    };
-    const auto vector = [&](real size) -> vec3 {
-      return {random(-size, size), random(-size, size), random(-size, size)};
-    };
+    dice random(seed);
+    const auto vector = [&](real size) { return random.vector(size); };
     const auto turn = [&] {
       return rotation(vec3{random(-1, 1), random(-1, 1), 1.1}.normalized(), random(0, 3));
     };
@@ -101,13 +111,8 @@ TEST_CASE("balls that spin pass and meet each other far from the origin as in it
   int passed = 0, met = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     INFO("seed " << seed);
-    std::mt19937_64 engine(seed);
-    const auto random = [&](real low, real high) {
-      return std::uniform_real_distribution<real>(low, high)(engine);
-    };
-    const auto vector = [&](real size) -> vec3 {
-      return {random(-size, size), random(-size, size), random(-size, size)};
-    };
+    dice random(seed);
+    const auto vector = [&](real size) { return random.vector(size); };
     const real dt = 1.0 / 64, radius = 0.5;
     const vec3 d = vector(1).normalized(), spin_a = vector(0.5), spin_b = vector(0.5);
     // They close their gap up to four times.
