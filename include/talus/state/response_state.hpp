@@ -23,6 +23,7 @@
 #include "talus/solver/dependence_cones.hpp"
 #include "talus/solver/direct/body_ties.hpp"
 #include "talus/solver/direct/direct_islands.hpp"
+#include "talus/solver/direct/islands_by_colours.hpp"
 #include "talus/solver/either_list.hpp"
 #include "talus/state/contact_kinds.hpp"
 
@@ -121,6 +122,7 @@ struct shared_colours {
   std::vector<messages> of_colour;
 };
 struct no_colours {};
+struct no_islands_by_colours {};
 
 /// Work space of step/passivity.hpp, for each body in solver indices.
 struct passivity_scratch {
@@ -155,6 +157,10 @@ struct hard_response {
   talus::convergence convergence;
   [[no_unique_address]] std::conditional_t<may_sweep_by_colours<Solver>, shared_colours, no_colours>
       colours;
+  [[no_unique_address]] std::conditional_t<may_sweep_by_colours<Solver>,
+                                           islands_by_colours<solver_state_of<Real>>,
+                                           no_islands_by_colours>
+      exact_islands;
   std::vector<travelling_velocities> travelling;     ///< in the coming step, without empty ones
   std::vector<travelling_velocities> travelled;      ///< in the last step
   std::vector<neighbour_message> velocity_messages;  ///< one for each of `travelling`

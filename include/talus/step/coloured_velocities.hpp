@@ -51,17 +51,17 @@ class coloured_velocities : public shared_velocities<Scenario> {
   /// Whether this rank takes part in islands that may be solved exactly after the sweeps.
   [[nodiscard]] bool find_islands() {
     if constexpr (state_type::periodic || state_type::law::soft) return false;
-    return s_.islands.find_alike(s_.colours.all, s_.solver);
+    return s_.exact_islands.find(s_.colours.all, s_.solver);
   }
   /// Before each of the last two sweeps.
   template <class Lists>
   void note_islands(Lists& lists) {
-    s_.islands.note_alike(access_to<solver_type>(lists), s_.solver);
+    s_.exact_islands.note_impulses(access_to<solver_type>(lists), s_.solver);
   }
   /// After it.
   template <class Lists>
   void solve_islands(Lists& lists) {
-    s_.islands.solve_alike(access_to<solver_type>(lists), s_.solver, exchange_now());
+    s_.exact_islands.solve(access_to<solver_type>(lists), s_.solver, exchange_now());
   }
 
  private:

@@ -131,6 +131,7 @@ void begin_afresh(world<Scenario>& w, const pending_wakes& wakes) {
   if constexpr (!state::law::soft) {
     s.solver.islands.begin_afresh();
     s.islands = {};
+    s.exact_islands = {};
   }
   s.each_finite_shape([](auto& b) {
     b.movable.drop_shadows();

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "talus/core/neighbour_message.hpp"
-#include "talus/solver/colouring.hpp"
 #include "talus/solver/contact_access.hpp"
 #include "talus/solver/direct/body_ties.hpp"
 
@@ -58,16 +57,6 @@ class direct_islands {
                       std::span<const travelling_bodies> travelling,
                       std::vector<neighbour_message>& neighbour_messages,
                       const std::function<void()>& exchange);
-
-  // Islands that each of their ranks solves alike (exact_islands.hpp), for solvers by colours.
-
-  using exchange_type = std::function<void(std::vector<neighbour_message>&)>;
-  /// Before the sweeps; returns whether this rank takes part in any.
-  bool find_alike(colouring& pairs, const State& s);
-  /// Before each of the last two sweeps.
-  void note_alike(std::span<const access> lists, const State& s);
-  /// After the last sweep; `exchange(messages)` sends and receives messages of neighbours.
-  void solve_alike(std::span<const access> lists, State& s, const exchange_type& exchange);
 
  private:
   struct parts;

@@ -1,7 +1,6 @@
 #pragma once
 // The definitions of direct_islands.hpp, in the compiled part or in each program.
 #include "talus/solver/direct/direct_islands.hpp"
-#include "talus/solver/direct/exact_islands.hpp"
 #include "talus/solver/direct/gathered_islands.hpp"
 #include "talus/solver/direct/shared_islands.hpp"
 #include "talus/solver/direct/stalled_islands.hpp"
@@ -23,7 +22,6 @@ template <class State>
 struct direct_islands<State>::parts {
   shared_islands<State> shared;
   gathered_islands<State> gathered;
-  exact_islands<State> alike;
 };
 
 template <class State>
@@ -69,19 +67,6 @@ void direct_islands<State>::solve_gathered(std::span<const access> lists, State&
                                            std::vector<neighbour_message>& neighbour_messages,
                                            const std::function<void()>& exchange) {
   parts_->gathered.solve(lists, s, own, travelling, neighbour_messages, exchange);
-}
-template <class State>
-bool direct_islands<State>::find_alike(colouring& pairs, const State& s) {
-  return parts_->alike.find(pairs, s);
-}
-template <class State>
-void direct_islands<State>::note_alike(std::span<const access> lists, const State& s) {
-  parts_->alike.note_impulses(lists, s);
-}
-template <class State>
-void direct_islands<State>::solve_alike(std::span<const access> lists, State& s,
-                                        const exchange_type& exchange) {
-  parts_->alike.solve(lists, s, exchange);
 }
 
 }  // namespace talus::detail
