@@ -11,6 +11,12 @@
 
 namespace talus::detail {
 
+/// Two flat sides in one plane that overlap in a strip narrower than this part of the thinner body
+/// carry nothing: an edge of each lies along the other, as of diagonal neighbours in a wall. Which
+/// of several faces separates such bodies best is a matter of round-off.
+template <class Real>
+inline constexpr Real flush_strip = Real(1e-4);
+
 /// A corner, edge or face of a box: for each axis that it fixes, the side. Bit 2i is the negative
 /// side of axis i, bit 2i + 1 the positive one; a corner has three bits, an edge two, a face one.
 /// The common part of two of them is their bitwise and.

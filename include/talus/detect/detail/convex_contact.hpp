@@ -31,6 +31,7 @@ class convex_contact {
         margin_(margin),
         rounding_(a.rounding() + b.rounding()),
         smallest_(std::min(a.smallest(), b.smallest())),
+        strip_(piecewise || rounding_ > 0 ? Real(0) : flush_strip<Real> * smallest_),
         least_corner_(piecewise ? Real(1e-9) : Real(1e-4)) {}
 
   /// The points with a gap of at most the margin, at most 16. (A list, so that this is compiled
@@ -189,6 +190,7 @@ class convex_contact {
     const Real enough =
         wanted + (apart ? Real(0.05) * wanted + Real(1e-4) * smallest_ : tolerance(wanted));
     if (!(patch.lowest() - rounding_ <= std::min(enough, margin_))) return false;
+    if (strip_ > 0 && patch.is_strip(strip_)) return true;
     const vector normal = by_b ? up : vector(-up);
     const Real tolerance = Real(1e-4) * smallest_;
     patch.for_each(margin_ + rounding_, tolerance, least_corner_, [&](const patch_point<Real>& p) {
@@ -250,6 +252,7 @@ class convex_contact {
   const convex_view<Real>&a_, &b_;
   vec3 origin_;
   Real margin_, rounding_, smallest_;
+  Real strip_;         ///< a manifold narrower than this carries nothing; 0 if all may carry
   Real least_corner_;  ///< see keep_outline()
   std::array<contact_geometry, most_corners> found_;
   std::size_t size_ = 0;

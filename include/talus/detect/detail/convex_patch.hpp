@@ -89,6 +89,8 @@ class convex_patch {
       points_[at(size_++)] = {
           {u_.dot(x), v_.dot(x), normal.dot(x), face.face, c.code, c.at}, c.edge, false, 0};
     }
+    highest_ = size_ < 3 ? std::numeric_limits<Real>::infinity() : points_[0].height;
+    for (int k = 1; k < size_; ++k) highest_ = std::max(highest_, points_[at(k)].height);
     line_ = incident.line();
     incident_face_ = incident.face;
     for (int k = 0; k < face.size && size_ > 0; ++k) clip(face, k, soft);
@@ -98,6 +100,22 @@ class convex_patch {
     Real least = std::numeric_limits<Real>::infinity();
     for (int k = 0; k < size_; ++k) least = std::min(least, points_[at(k)].height);
     return least;
+  }
+  /// Whether a flat side of the incident shape lies in the plane of the face, within `width`, and
+  /// the two overlap in a strip narrower than that: an edge of one body lies along an edge of the
+  /// other.
+  [[nodiscard]] bool is_strip(Real width) const {
+    const Real low = lowest();
+    if (!(std::abs(low) <= width && highest_ - low <= width)) return false;
+    Real area = 0, extent = 0;  // twice the area
+    for (int k = 1; k < size_; ++k) {
+      const point &first = points_[0], &p = points_[at(k)],
+                  &q = points_[at(k + 1 < size_ ? k + 1 : 0)];
+      const Real u = p.u - first.u, v = p.v - first.v;
+      extent = std::max(extent, u * u + v * v);
+      area += u * (q.v - first.v) - v * (q.u - first.u);
+    }
+    return std::abs(area) <= 2 * width * std::max(width, std::sqrt(extent));
   }
   /// Calls f(patch_point) for the points kept of those not higher than `limit`, at most 16; for
   /// `part` see keep_outline().
@@ -170,6 +188,7 @@ class convex_patch {
   }
 
   vector normal_, origin_, u_, v_;
+  Real highest_;  ///< corner of the incident side before it is clipped; infinite if it is no side
   std::array<corner, capacity> points_;
   int size_ = 0;
   bool line_ = false;

@@ -1,6 +1,8 @@
 #pragma once
 // Two boxes: a manifold of four contacts, or up to eight, if a face is involved, else a single one.
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 
 #include "talus/contact/contact_geometry.hpp"
@@ -15,12 +17,34 @@ namespace talus {
 
 namespace detail {
 
+/// Whether the face of b that faces the reference face of a lies in its plane, and the two overlap
+/// in a strip narrower than flush_strip: an edge of one box lies along an edge of the other.
+template <class Real>
+[[nodiscard]] bool is_strip(const box_pair<Real>& pair, int axis, bool face_of_b,
+                            std::span<const box_contact<Real>> found) {
+  const Real width = flush_strip<Real> * pair.smallest();
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  Real most[2] = {0, 0};
+  for (const box_contact<Real>& c : found) {
+    if (!(std::abs(c.gap) <= width)) return false;
+    most[0] = std::max(most[0], std::abs(c.point[u] - found[0].point[u]));
+    most[1] = std::max(most[1], std::abs(c.point[v] - found[0].point[v]));
+  }
+  if (!(std::min(most[0], most[1]) <= width)) return false;
+  Real tilt[3];  // rise over the plane along each half edge of the other box
+  for (int k = 0; k < 3; ++k)
+    tilt[k] =
+        std::abs(face_of_b ? pair.axes(k, axis) * pair.ha[k] : pair.axes(axis, k) * pair.hb[k]);
+  return 2 * (tilt[0] + tilt[1] + tilt[2] - std::max({tilt[0], tilt[1], tilt[2]})) <= width;
+}
+
 /// Calls `sink(contact_geometry)` for the corners of a patch, which are in the frame of its
 /// reference box: of b's face (`face_of_b`), or a's, that looks along its axis `axis` or against.
 template <class Sink, class Real>
 void give_patch(const box_place<Real>& a, const box_place<Real>& b, const box_pair<Real>& pair,
                 int axis, bool positive, bool face_of_b, std::span<box_contact<Real>> found,
                 Sink&& sink) {
+  if (is_strip<Real>(pair, axis, face_of_b, found)) return;
   if (face_of_b)
     for (box_contact<Real>& c : found) {
       c.normal = -(pair.axes * c.normal), c.point = pair.from_b(c.point);
