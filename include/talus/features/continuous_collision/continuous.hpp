@@ -396,7 +396,7 @@ class flight_stopper : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
   explicit flight_stopper(state_type& s) : base(s) {}
 
   void operator()(std::size_t i, std::size_t j, real, real) {
-    if constexpr (imaged) this->order(i, j);
+    this->order(i, j);
     body_pair x;
     x.i = i, x.j = j;
     if (!this->find(x)) return;
