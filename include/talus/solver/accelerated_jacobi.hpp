@@ -40,7 +40,7 @@ struct accelerated_jacobi final {
     const auto each = [&](auto&& f) { detail::each_of(lists, f); };
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
 
-    detail::convergence<Lists, Ranks> watch(lists, s, settings, ranks, 6);
+    detail::convergence_watch<Lists, Ranks> watch(lists, s, settings, ranks, 6);
     each([&](auto& list) { list.warm_start(s); });
     s.boundary_contacts.assign(s.bodies.size(), 0);
     each([&](auto& list) { list.count_all(s); });

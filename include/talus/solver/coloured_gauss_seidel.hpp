@@ -41,7 +41,8 @@ struct coloured_gauss_seidel final {
     constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
     const std::uint32_t colours = ranks.colours();
 
-    detail::convergence<Lists, Ranks, State, detail::exact_sum> watch(lists, s, settings, ranks);
+    detail::convergence_watch<Lists, Ranks, State, detail::exact_sum> watch(lists, s, settings,
+                                                                            ranks);
     each([&](auto& list) { list.prepare(s); });
     for (std::uint32_t c = 0; c < colours; ++c) each([&](auto& list) { list.warm_start(s, c); });
 

@@ -29,7 +29,7 @@ struct solved {
 /// exact_sum if the result must not depend on the distribution of contacts.
 ///
 ///   // before any impulse acts:
-///   convergence<Lists, Ranks, State> watch(lists, state, settings, ranks);
+///   convergence_watch<Lists, Ranks, State> watch(lists, state, settings, ranks);
 ///   int k = 0;
 ///   for (; k < watch.limit(); ++k) {
 ///     ...                           // all ranks hold the velocities after k iterations
@@ -38,15 +38,15 @@ struct solved {
 ///     watch.poll();
 ///   }
 template <class Lists, class Ranks, class State = solver_state, class Sum = double>
-class convergence {
+class convergence_watch {
   static constexpr bool alone = std::remove_cvref_t<Ranks>::alone;
   /// If nothing may depend on the ranks, a single rank gets the result as late as several.
   static constexpr bool at_once = alone && std::is_same_v<Sum, double>;
 
  public:
   /// Checks are at least `apart` iterations from each other.
-  convergence(const Lists& lists, const State& s, const solver_settings& settings, Ranks& ranks,
-              int apart = 1)
+  convergence_watch(const Lists& lists, const State& s, const solver_settings& settings,
+                    Ranks& ranks, int apart = 1)
       : lists_(lists),
         s_(s),
         settings_(settings),

@@ -50,7 +50,7 @@ struct nonlinear_gauss_seidel final {
 
     using groups = detail::island_groups<Lists, State, alone>;
 
-    detail::convergence<Lists, Ranks, State> watch(lists, s, settings, ranks);
+    detail::convergence_watch<Lists, Ranks, State> watch(lists, s, settings, ranks);
     groups::find(lists, s);
     each([&](auto& list) { list.prepare_interior(s); });
     if constexpr (!alone) ranks.look_for_shared_islands(lists);

@@ -83,7 +83,7 @@ struct substepping final {
         v += part * s.gain[i].v, w += part * s.gain[i].w;
       }
       if (rotates) prepare_tensors<true>(lists, s);
-      detail::convergence<Lists, Ranks> watch(lists, s, once, ranks);
+      detail::convergence_watch<Lists, Ranks> watch(lists, s, once, ranks);
       if (j == 0) {
         each([&](auto& list) { list.warm_start(s); });
         if constexpr (!alone) {

@@ -13,7 +13,7 @@
 #include "talus/core/sort.hpp"
 #include "talus/solver/colouring.hpp"
 #include "talus/solver/contact_access.hpp"
-#include "talus/solver/direct/contact_groups.hpp"
+#include "talus/solver/direct/groups_in_contact.hpp"
 #include "talus/solver/direct/stalled_figures.hpp"
 
 namespace talus::detail {
@@ -202,7 +202,7 @@ class island_parts {
     values.erase(std::unique(values.begin(), values.end()), values.end());
   }
 
-  contact_groups<State> groups_;
+  groups_in_contact<State> groups_;
   std::vector<found> all_;
   plain_vector<system_id> large_;
   plain_vector<int> ranks_;

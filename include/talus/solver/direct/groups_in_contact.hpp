@@ -21,7 +21,7 @@ namespace talus::detail {
 /// over the pairs says that of a pile. What it leaves out may depend on the rank and on the order
 /// of the bodies; that it may be left out does not.
 template <class State>
-class contact_groups {
+class groups_in_contact {
  public:
   struct group {
     std::uint32_t root = 0;
