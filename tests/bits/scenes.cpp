@@ -33,17 +33,17 @@ int main(int argc, char** argv) {
   const std::string file = "/tmp/talus_bits_" + std::to_string(getpid()) + ".h5";
   const double dt = 1.0 / 240;
   const course saved{4, 700, dt, file}, loaded{1, 700, dt, "", file};
-  compare("balls, 1 rank", "cf75993951e35844", [&] { return balls({1, 800, dt}); });
-  compare("balls, 4 ranks", "cf75993951e35844", [&] { return balls({4, 800, dt}); });
-  compare("crates, 1 rank", "da0e53f69e594b64", [&] { return crates({1, 700, dt}); });
-  compare("crates, 4 ranks", "da0e53f69e594b64", [&] { return crates({4, 700, dt}); });
-  compare("shapes, 1 rank", "9b5b03f3d1b4084d", [&] { return shapes({1, 700, dt}); });
-  compare("shapes, 4 ranks", "9b5b03f3d1b4084d", [&] { return shapes(saved); });
-  compare("shapes, restarted on 1 rank", "9b5b03f3d1b4084d", [&] { return shapes(loaded); });
-  compare("shear, 1 rank", "7c40aaeda43f9e65", [&] { return shear({1, 600, dt}); });
-  compare("shear, 4 ranks", "7c40aaeda43f9e65", [&] { return shear({4, 600, dt}); });
-  compare("sand, 1 rank", "5dd245e4dd0c06be", [&] { return sand({1, 2000, dt / 8}); });
-  compare("sand, 4 ranks", "5dd245e4dd0c06be", [&] { return sand({4, 2000, dt / 8}); });
+  compare("balls, 1 rank", "cf0d98616af401ab", [&] { return balls({1, 800, dt}); });
+  compare("balls, 4 ranks", "cf0d98616af401ab", [&] { return balls({4, 800, dt}); });
+  compare("crates, 1 rank", "15318d5aa486e50f", [&] { return crates({1, 700, dt}); });
+  compare("crates, 4 ranks", "15318d5aa486e50f", [&] { return crates({4, 700, dt}); });
+  compare("shapes, 1 rank", "bee0b2ee2fd54b6d", [&] { return shapes({1, 700, dt}); });
+  compare("shapes, 4 ranks", "bee0b2ee2fd54b6d", [&] { return shapes(saved); });
+  compare("shapes, restarted on 1 rank", "bee0b2ee2fd54b6d", [&] { return shapes(loaded); });
+  compare("shear, 1 rank", "f5c685f66c57683d", [&] { return shear({1, 600, dt}); });
+  compare("shear, 4 ranks", "f5c685f66c57683d", [&] { return shear({4, 600, dt}); });
+  compare("sand, 1 rank", "ae06e73812189db4", [&] { return sand({1, 2000, dt / 8}); });
+  compare("sand, 4 ranks", "ae06e73812189db4", [&] { return sand({4, 2000, dt / 8}); });
   unlink(file.c_str());
   if (differences > 0)
     std::printf("%d digests differ from those pinned in scenes.cpp\n", differences);

@@ -57,7 +57,7 @@ struct sphere_geometry {
     arm_b = dot(normal, lever_b);
   }
 };
-/// Surfaces that come nearer than this part of their slack on their paths in a step meet.
+/// Surfaces that are nearer than this part of their slack at the start of a step touch.
 inline constexpr real touching_part = 0.01;
 
 /// This part of both radii, or of the smaller one twice.

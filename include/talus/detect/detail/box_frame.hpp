@@ -11,11 +11,18 @@
 
 namespace talus::detail {
 
-/// Two flat sides in one plane that overlap in a strip narrower than this part of the thinner body
-/// carry nothing: an edge of each lies along the other, as of diagonal neighbours in a wall. Which
-/// of several faces separates such bodies best is a matter of round-off.
+/// Two flat sides in one plane that overlap in a strip narrower than this part of the thinner body,
+/// or miss each other by less, carry nothing: an edge of each lies along the other, as of diagonal
+/// neighbours in a wall. Which of several faces separates such bodies best is a matter of
+/// round-off.
 template <class Real>
 inline constexpr Real flush_strip = Real(1e-4);
+
+/// A corner that is less than this part of the thinner body outside of an outline counts as inside,
+/// so that bodies of one size stacked flush keep their own corners in spite of round-off. A body
+/// that passes an edge in a larger distance does not touch it.
+template <class Real>
+inline constexpr Real outline_slack = Real(1e-6);
 
 /// A corner, edge or face of a box: for each axis that it fixes, the side. Bit 2i is the negative
 /// side of axis i, bit 2i + 1 the positive one; a corner has three bits, an edge two, a face one.

@@ -22,17 +22,16 @@ class box_manifold {
   using corner = patch_corner<Real>;
 
  public:
-  /// Tolerance for points inside an outline, relative to its half edges.
-  static constexpr Real soft = 1.001;
-
   /// Corners with a gap of at most `margin` of the patch over the face of a that looks along
-  /// axis `axis`, to its positive or negative side.
-  box_manifold(const box_pair<Real>& p, int axis, bool positive, Real margin)
+  /// axis `axis`, to its positive or negative side. A corner up to `slack` outside of that face
+  /// counts as inside.
+  box_manifold(const box_pair<Real>& p, int axis, bool positive, Real margin, Real slack)
       : axis_(axis),
         u_((axis + 1) % 3),
         v_((axis + 2) % 3),
         sign_(positive ? 1 : -1),
         half_(p.ha[axis]),
+        slack_(slack),
         other_u_(p.offset[u_]),
         other_v_(p.offset[v_]) {
     // The face of b that faces the reference face most.
@@ -63,12 +62,11 @@ class box_manifold {
       if (corners_[k].gap < lowest_.gap) lowest_ = corners_[k];
     // Only sides that cut need clipping.
     const Real u_width = std::abs(x[0]) + std::abs(y[0]), v_width = std::abs(x[1]) + std::abs(y[1]);
-    constexpr Real most = soft;
     for (const bool far : {false, true}) {
       const Real sign = far ? 1 : -1;
-      if (size_ > 0 && sign * centre[0] + u_width > most * p.ha[u_])
+      if (size_ > 0 && sign * centre[0] + u_width > p.ha[u_] + slack_)
         clip(&corner::u, far, p.ha[u_], side(u_, far));
-      if (size_ > 0 && sign * centre[1] + v_width > most * p.ha[v_])
+      if (size_ > 0 && sign * centre[1] + v_width > p.ha[v_] + slack_)
         clip(&corner::v, far, p.ha[v_], side(v_, far));
     }
     unsigned kept = 0;
@@ -97,6 +95,7 @@ class box_manifold {
   /// bit, so that the choice is stable while a box rests. All corners stay if a box rests on the
   /// patch so far out that four may not carry it.
   void reduce(Real tolerance) {
+    drop_flat_corners();
     if (size_ <= 4) return;
     std::array<unsigned, 4> best{};
     Real largest = -1;
@@ -163,11 +162,36 @@ class box_manifold {
   }
 
  private:
-  // Cuts off the part beyond `half` on one side. A corner just outside, within a thousandth of
-  // `half`, counts as inside, so that boxes of one size stacked flush keep their own corners.
+  /// Drops corners that add less to the area than a thousandth of the square of the extent, the
+  /// least first, down to four: where edges of the two boxes nearly coincide, they are as near to
+  /// other corners, and come and go while the boxes tremble.
+  void drop_flat_corners() {
+    if (size_ <= 4) return;
+    Real extent = 0;
+    for (unsigned k = 1; k < size_; ++k) {
+      const Real u = corners_[k].u - corners_[0].u, v = corners_[k].v - corners_[0].v;
+      extent = std::max(extent, u * u + v * v);
+    }
+    const auto added = [&](unsigned k) {
+      const corner &a = corners_[k > 0 ? k - 1 : size_ - 1], &p = corners_[k],
+                   &b = corners_[k + 1 < size_ ? k + 1 : 0];
+      return std::abs((p.u - a.u) * (b.v - a.v) - (p.v - a.v) * (b.u - a.u));
+    };
+    while (size_ > 4) {
+      unsigned flattest = 0;
+      Real least = added(0);
+      for (unsigned k = 1; k < size_; ++k)
+        if (const Real area = added(k); area < Real(0.999) * least) least = area, flattest = k;
+      if (!(least < Real(1e-3) * extent)) return;
+      std::copy(corners_.begin() + flattest + 1, corners_.begin() + size_,
+                corners_.begin() + flattest);
+      --size_;
+    }
+  }
+  // Cuts off the part beyond `half` on one side.
   void clip(Real corner::*along, bool far, Real half, box_part wall) {
     const Real sign = far ? 1 : -1;
-    const Real limit = half * soft;
+    const Real limit = half + slack_;
     const std::array<corner, 8> in = corners_;
     const unsigned size = size_;
     unsigned n = 0;
@@ -222,7 +246,7 @@ class box_manifold {
 
   int axis_, u_, v_;
   Real sign_;
-  Real half_;
+  Real half_, slack_;
   Real other_u_, other_v_;  ///< where the centre of the other box lies over the face
   unsigned size_ = 0;
   std::array<corner, 8> corners_;

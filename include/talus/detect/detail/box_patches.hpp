@@ -19,8 +19,7 @@ namespace talus::detail {
 /// has corners of three kinds: its own corners inside, crossings of its edges with the outline, and
 /// corners of the reference face inside it. The choice of the reference face, the tolerance of
 /// corners and their names are as in collide_boxes() and box_manifold. If an edge passes a corner
-/// of the outline within a thousandth of its half edges, the result may be another corner within
-/// that distance.
+/// of the outline within outline_slack, the result may be another corner within that distance.
 template <class Real>
 class box_patches {
   using number = pack<Real, 8>;
@@ -104,7 +103,7 @@ class box_patches {
       found_ |= kept & (mask{} + (std::int64_t{1} << k));
       lowest_ = kept ? less(lowest_, gap) : lowest_;
     };
-    const number limit_u = hu * soft, limit_v = hv * soft;
+    const number slack = outline_slack<Real> * smallest, limit_u = hu + slack, limit_v = hv + slack;
     number corner[4][3];
     for (int i = 0; i < 3; ++i) {
       const number low = centre[i] - x[i], high = centre[i] + x[i];
@@ -163,11 +162,9 @@ class box_patches {
       put_cut(4 + k, first, enters, first_u, wall_in_u, wall_in_v, 1);
       put_cut(8 + k, last, leaves, last_u, wall_out_u, wall_out_v, -1);
     }
-    // A corner of the outline, as (s, t) in the incident face; inside within a thousandth of the
-    // outline.
+    // A corner of the outline, as (s, t) in the incident face; inside if it is so by the slack.
     const number area = x[0] * y[1] - x[1] * y[0], scale = 1 / area;
     const number s_u = scale * y[1], s_v = -scale * y[0], t_u = -scale * x[1], t_v = scale * x[0];
-    const number more_u = (soft - 1) * hu, more_v = (soft - 1) * hv;
     for (int k = 0; k < 4; ++k) {
       const number u = k & 1 ? hu : -hu, v = k & 2 ? hv : -hv;
       const number from_u = u - centre[0], from_v = v - centre[1];
@@ -175,7 +172,7 @@ class box_patches {
       const auto within = [&](const number& a, const number& b) {
         return (magnitude(a) <= zero + 1) & (magnitude(b) <= zero + 1);
       };
-      const number by_u = k & 1 ? more_u : -more_u, by_v = k & 2 ? more_v : -more_v;
+      const number by_u = k & 1 ? slack : -slack, by_v = k & 2 ? slack : -slack;
       const mask inside =
           within(s + s_u * by_u, t + t_u * by_u) & within(s + s_v * by_v, t + t_v * by_v);
       outline -= inside;
@@ -266,7 +263,6 @@ class box_patches {
     return (cosine > zero) & (cosine * cosine > near * near * along(n, n));
   }
 
-  static constexpr Real soft = box_manifold<Real>::soft;
   static constexpr int kinds = 16;
 
   number u_[kinds], v_[kinds], gap_[kinds];

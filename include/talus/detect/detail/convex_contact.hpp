@@ -179,13 +179,24 @@ class convex_contact {
       sum += (side.corners[k - 1].at - first).cross(side.corners[k].at - first);
     return sum.normalized();
   }
+  /// How far beyond an outline a corner of this one counts as inside. A round side a little beyond
+  /// an edge overlaps the body below anyway, and rests on it until the next body carries it.
+  [[nodiscard]] Real slack_of(const convex_view<Real>& other, const outline<Real>& incident) const {
+    const bool on_line = other.curved() && incident.size == 2;
+    if (on_line || (other.rounding() > 0 && incident.size <= 2)) return Real(1e-3) * smallest_;
+    return other.smooth() && incident.size == 1 ? Real(0) : outline_slack<Real> * smallest_;
+  }
   bool by_outline(const outline<Real>& reference, const vector& up, bool by_b, Real wanted) {
     const convex_view<Real>& other = by_b ? a_ : b_;
     outline<Real> incident;
     other.outline_along(-up, most_corners, incident);
-    convex_patch<Real> patch(
-        reference, up, incident,
-        other.smooth() && incident.size == 1 ? Real(0) : Real(1e-3) * smallest_);
+    const Real near = Real(1e-3) * smallest_;
+    const auto over_outline = [&](Real slack) {
+      return convex_patch<Real>(reference, up, incident, slack, near);
+    };
+    const convex_patch<Real> patch = over_outline(slack_of(other, incident));
+    if (patch.empty() && std::abs(wanted) <= strip_ && over_outline(strip_).is_strip(strip_))
+      return true;
     const bool apart = wanted > Real(1e-6) * smallest_;
     const Real enough =
         wanted + (apart ? Real(0.05) * wanted + Real(1e-4) * smallest_ : tolerance(wanted));

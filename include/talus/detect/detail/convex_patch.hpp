@@ -76,11 +76,11 @@ class convex_patch {
  public:
   using point = patch_point<Real>;
 
-  /// `soft` is how far outside of a side a corner still counts as inside, so that shapes of one
-  /// size stacked flush keep their own corners.
+  /// A corner up to `slack` outside of a side counts as inside. A cut within `same` of a corner of
+  /// one of the shapes has its name, so that shapes of one size stacked flush keep their corners.
   convex_patch(const outline<Real>& face, const vector& normal, const outline<Real>& incident,
-               Real soft)
-      : normal_(normal), origin_(face.corners[0].at) {
+               Real slack, Real same)
+      : normal_(normal), origin_(face.corners[0].at), slack_(slack), same_(same), face_(face.face) {
     u_ = (face.corners[1].at - origin_).normalized();
     v_ = normal.cross(u_);
     for (int k = 0; k < incident.size; ++k) {
@@ -93,20 +93,21 @@ class convex_patch {
     for (int k = 1; k < size_; ++k) highest_ = std::max(highest_, points_[at(k)].height);
     line_ = incident.line();
     incident_face_ = incident.face;
-    for (int k = 0; k < face.size && size_ > 0; ++k) clip(face, k, soft);
+    for (int k = 0; k < face.size && size_ > 0; ++k) clip(face, k);
   }
 
+  [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] Real lowest() const {
     Real least = std::numeric_limits<Real>::infinity();
     for (int k = 0; k < size_; ++k) least = std::min(least, points_[at(k)].height);
     return least;
   }
-  /// Whether a flat side of the incident shape lies in the plane of the face, within `width`, and
-  /// the two overlap in a strip narrower than that: an edge of one body lies along an edge of the
-  /// other.
+  /// Whether a flat side of the incident shape lies in the plane of the face or over it, within
+  /// `width`, and the two overlap in a strip narrower than that: an edge of one body lies along an
+  /// edge of the other, or will pass it.
   [[nodiscard]] bool is_strip(Real width) const {
     const Real low = lowest();
-    if (!(std::abs(low) <= width && highest_ - low <= width)) return false;
+    if (size_ == 0 || !(low >= -width && highest_ - low <= width)) return false;
     Real area = 0, extent = 0;  // twice the area
     for (int k = 1; k < size_; ++k) {
       const point &first = points_[0], &p = points_[at(k)],
@@ -123,8 +124,15 @@ class convex_patch {
   void for_each(Real limit, Real tolerance, Real part, F&& f) const {
     std::array<point, capacity> kept;
     int count = 0;
+    const auto same = [&](const point& p, const point& q) {  // two cuts near one corner
+      return p.reference == q.reference && p.incident == q.incident &&
+             portable::hypot(p.u - q.u, p.v - q.v) <= 2 * same_;
+    };
     for (int k = 0; k < size_; ++k)
-      if (points_[at(k)].height <= limit) kept[at(count++)] = points_[at(k)];
+      if (points_[at(k)].height <= limit &&
+          !(count > 0 && same(points_[at(k)], kept[at(count - 1)])))
+        kept[at(count++)] = points_[at(k)];
+    if (count > 2 && same(kept[at(count - 1)], kept[0])) --count;
     count = keep_outline(kept.data(), count, tolerance, part);
     for (int k = 0; k < count; ++k) f(kept[at(k)]);
   }
@@ -140,7 +148,7 @@ class convex_patch {
   };
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-  void clip(const outline<Real>& face, int k, Real soft) {
+  void clip(const outline<Real>& face, int k) {
     const auto& here = face.corners[at(k)];
     const auto& next = face.corners[at(k + 1 < face.size ? k + 1 : 0)];
     const vector p = here.at - origin_, q = next.at - origin_;
@@ -157,7 +165,7 @@ class convex_patch {
     for (int c = 0; c < size_; ++c) {
       const corner &a = points_[at(c)], &b = points_[at(c + 1 < size_ ? c + 1 : 0)];
       const Real da = beyond(a), db = beyond(b);
-      const bool a_in = da <= soft, b_in = db <= soft;
+      const bool a_in = da <= slack_, b_in = db <= slack_;
       if (a_in && n < capacity) out[at(n++)] = a;
       if (c >= edges || a_in == b_in || (a_in ? da : db) >= 0 || n >= capacity) continue;
       const Real t = da / (da - db);
@@ -166,16 +174,23 @@ class convex_patch {
       cut.v = a.v + t * (b.v - a.v);
       cut.height = a.height + t * (b.height - a.height);
       cut.at = a.at + t * (b.at - a.at);
-      // Where an edge of the incident outline crosses this side; or, where two sides meet, the
-      // face's corner over the inside of the incident face.
-      if (!a.on_side) {
-        cut.reference = here.edge;
-        cut.incident = a.edge;
+      const auto is_at = [&](Real u, Real v) {
+        return portable::hypot(cut.u - u, cut.v - v) <= same_;
+      };
+      // The corner of the incident outline there, or of the face over the inside of the incident
+      // face; else where an edge of the incident outline crosses this side.
+      const bool before = a.on_side && a.side == (k > 0 ? k - 1 : face.size - 1);
+      const bool after = a.on_side && a.side == (k + 1 < face.size ? k + 1 : 0);
+      if (is_own(a) && is_at(a.u, a.v)) {
+        cut.reference = face_, cut.incident = a.incident;
+      } else if (is_own(b) && is_at(b.u, b.v)) {
+        cut.reference = face_, cut.incident = b.incident;
+      } else if (before || is_at(pu, pv)) {
+        cut.reference = here.code, cut.incident = incident_face_;
+      } else if (after || is_at(u_.dot(q), v_.dot(q))) {
+        cut.reference = next.code, cut.incident = incident_face_;
       } else {
-        const bool before = a.side == (k > 0 ? k - 1 : face.size - 1);
-        const bool after = a.side == (k + 1 < face.size ? k + 1 : 0);
-        cut.reference = before ? here.code : after ? next.code : here.edge;
-        cut.incident = incident_face_;
+        cut.reference = here.edge, cut.incident = a.on_side ? incident_face_ : a.edge;
       }
       cut.edge = a_in ? here.edge : a.edge;
       cut.on_side = a_in ? true : a.on_side;
@@ -187,12 +202,16 @@ class convex_patch {
     std::copy(out.begin(), out.begin() + n, points_.begin());
   }
 
+  /// Whether a point has the name of a corner of the incident outline.
+  [[nodiscard]] bool is_own(const corner& c) const { return c.reference == face_; }
+
   vector normal_, origin_, u_, v_;
+  Real slack_, same_;
   Real highest_;  ///< corner of the incident side before it is clipped; infinite if it is no side
   std::array<corner, capacity> points_;
   int size_ = 0;
   bool line_ = false;
-  part_code incident_face_ = 0;
+  part_code face_, incident_face_ = 0;
 };
 
 }  // namespace talus::detail

@@ -17,8 +17,9 @@ namespace talus {
 
 namespace detail {
 
-/// Whether the face of b that faces the reference face of a lies in its plane, and the two overlap
-/// in a strip narrower than flush_strip: an edge of one box lies along an edge of the other.
+/// Whether the face of b that faces the reference face of a lies in its plane or over it, and the
+/// two overlap in a strip narrower than flush_strip: an edge of one box lies along an edge of the
+/// other, or will pass it.
 template <class Real>
 [[nodiscard]] bool is_strip(const box_pair<Real>& pair, int axis, bool face_of_b,
                             std::span<const box_contact<Real>> found) {
@@ -26,7 +27,7 @@ template <class Real>
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   Real most[2] = {0, 0};
   for (const box_contact<Real>& c : found) {
-    if (!(std::abs(c.gap) <= width)) return false;
+    if (!(c.gap >= -width)) return false;
     most[0] = std::max(most[0], std::abs(c.point[u] - found[0].point[u]));
     most[1] = std::max(most[1], std::abs(c.point[v] - found[0].point[v]));
   }
@@ -77,7 +78,20 @@ void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box
   if (by_face) {
     const box_pair<Real> turned = face_of_b ? pair.swapped() : pair;
     const bool positive = turned.offset[face.i] > 0 || (turned.offset[face.i] == 0 && !face_of_b);
-    box_manifold<Real> patch(turned, face.i, positive, margin);
+    const auto over_face = [&](Real slack) {
+      return box_manifold<Real>(turned, face.i, positive, margin, slack * smallest);
+    };
+    box_manifold<Real> patch = over_face(outline_slack<Real>);
+    std::array<box_contact<Real>, 8> found;
+    const auto points_of = [&](box_manifold<Real>& corners) {
+      std::size_t size = 0;
+      corners.for_each([&](const box_contact<Real>& c) { found[size++] = c; });
+      return std::span(found.data(), size);
+    };
+    if (patch.empty() && std::abs(best) <= flush_strip<Real> * smallest) {
+      box_manifold<Real> beside = over_face(flush_strip<Real>);
+      if (!beside.empty() && is_strip<Real>(pair, face.i, face_of_b, points_of(beside))) return;
+    }
     // The manifold must contain the nearest points, or nearly so.
     const Real enough =
         best + (apart ? Real(0.05) * best + Real(1e-4) * smallest : tolerance(best));
@@ -88,10 +102,7 @@ void collide_boxes(const box_place<Real>& a, const box_place<Real>& b, const box
     }
     if (use) {
       patch.reduce(Real(1e-4) * smallest);
-      std::array<box_contact<Real>, 8> found;
-      std::size_t size = 0;
-      patch.for_each([&](const box_contact<Real>& c) { found[size++] = c; });
-      give_patch(a, b, pair, face.i, positive, face_of_b, std::span(found.data(), size), sink);
+      give_patch(a, b, pair, face.i, positive, face_of_b, points_of(patch), sink);
       return;
     }
   }
