@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string>
 #include <talus/core/random.hpp>
+#include <talus/features/continuous_collision/continuous_collision.hpp>
 #include <talus/mesh.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/serial.hpp>
@@ -585,9 +586,10 @@ void check_fall_beside_table(const Shape& shape, table_kind kind, random_stream&
 }  // namespace
 
 TEST_CASE_TEMPLATE("a cube that falls beside a table of any size, as near as 1e-5, falls freely",
-                   Solver, solver<nonlinear_gauss_seidel>, solver<reproducible>) {
+                   Policy, solver<nonlinear_gauss_seidel>, solver<reproducible>,
+                   features<continuous_collision>) {
   using tables =
-      scenario<bodies<box, cylinder, convex_polyhedron, triangle_mesh>, transport<serial>, Solver>;
+      scenario<bodies<box, cylinder, convex_polyhedron, triangle_mesh>, transport<serial>, Policy>;
   constexpr std::uint64_t seed = 11;
   CAPTURE(seed);
   random_stream random(seed, 1);

@@ -1,6 +1,7 @@
 #pragma once
 // The time of impact of two bodies in free flight by conservative advancement. The motion of a body
-// is given by place(t) of its centre, speed(t), at(t) its pose, acceleration and spin.
+// is given by place(t) of its centre, speed(t), at(t) its pose, acceleration and spin. A motion
+// with a member `bounded` gives a bound of its acceleration, whose direction has no meaning.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -59,7 +60,10 @@ template <class A, class FlightA, class B, class FlightB>
     if (t == never) return never;
   }
   const bool at_start = t == s.from;
-  const real pull = (fa.acceleration - fb.acceleration).norm();
+  constexpr bool bounded = requires { fa.bounded; }
+  || requires { fb.bounded; };
+  const vec3 acceleration = fa.acceleration - fb.acceleration;
+  const real pull = acceleration.norm();
   for (int k = 0; k < most; ++k) {
     const pose pa = fa.at(t), pb = fb.at(t);
     real gap = never;
@@ -74,7 +78,8 @@ template <class A, class FlightA, class B, class FlightB>
     });
     const vec3 v = fa.speed(t) - fb.speed(t);
     const bool known = convex && gap < never;
-    const real closing = (known ? -normal.dot(v) : v.norm()) + pull * (s.to - t) + turning;
+    const real faster = known && !bounded ? std::max(real(0), -normal.dot(acceleration)) : pull;
+    const real closing = (known ? -normal.dot(v) : v.norm()) + faster * (s.to - t) + turning;
     gap = std::min(gap, margin);
     if (k == 0 && at_start && gap <= s.zone && !(gap > s.touch && -normal.dot(v) > s.rest))
       return closing * (s.to - t) > s.plunge + std::max(real{0}, gap) ? t : never;

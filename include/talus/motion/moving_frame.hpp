@@ -15,6 +15,7 @@ namespace talus::detail {
 template <class Flight>
 struct moving_frame {
   vec3 acceleration, spin;
+  static constexpr bool bounded = true;
 
   moving_frame(Flight flight, const vec3& origin, const vec3& v, const vec3& w, real until)
       : spin(flight.spin.norm() + w.norm(), 0, 0),

@@ -80,9 +80,10 @@ class pair_motion {
   /// takes this motion would leave one on the wrong side of the other.
   [[nodiscard]] bool may_pass(std::size_t i, std::size_t j, const vec3& at_a, const vec3& at_b,
                               real slack, const vec3& normal, real gap, real un, real pull) const {
-    if constexpr (!ShapeB::finite || state_type::continuous) {
+    if constexpr (!ShapeB::finite) {
       return false;
     } else {
+      if (strikes(i, j)) return false;
       if (gap <= touching_part * slack) return false;
       if (gap <= slack && !(gap + (un - pull * s_.dt) * s_.dt < 0)) return false;
       const vec3 way = way_past(i, j, at_a, at_b);
@@ -226,6 +227,14 @@ class pair_motion {
       if constexpr (round_a && round_b) overlap = std::min(overlap, a.radius + b.radius);
       return overlap;
     }
+  }
+  /// Whether one of two bodies that are followed has an impact in this step.
+  [[nodiscard]] bool strikes(std::size_t i, std::size_t j) const {
+    if constexpr (state_type::continuous) {
+      if (impact_time(first_a_ + i) != never) return true;
+      if constexpr (Paired) return impact_time(first_b_ + j) != never;
+    }
+    return (void)i, (void)j, false;
   }
   /// Surfaces that come nearer than this on their paths meet. The path of a body that is no faster
   /// than gravity makes it in two steps depends on its other contacts, so that a near miss of such
