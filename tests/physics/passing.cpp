@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <string>
 #include <talus/core/random.hpp>
-#include <talus/features/continuous_collision/continuous_collision.hpp>
 #include <talus/mesh.hpp>
 #include <talus/parallel/grid.hpp>
 #include <talus/parallel/serial.hpp>
@@ -586,8 +585,7 @@ void check_fall_beside_table(const Shape& shape, table_kind kind, random_stream&
 }  // namespace
 
 TEST_CASE_TEMPLATE("a cube that falls beside a table of any size, as near as 1e-5, falls freely",
-                   Policy, solver<nonlinear_gauss_seidel>, solver<reproducible>,
-                   features<continuous_collision>) {
+                   Policy, solver<nonlinear_gauss_seidel>, solver<reproducible>) {
   using tables =
       scenario<bodies<box, cylinder, convex_polyhedron, triangle_mesh>, transport<serial>, Policy>;
   constexpr std::uint64_t seed = 11;

@@ -80,10 +80,9 @@ class pair_motion {
   /// takes this motion would leave one on the wrong side of the other.
   [[nodiscard]] bool may_pass(std::size_t i, std::size_t j, const vec3& at_a, const vec3& at_b,
                               real slack, const vec3& normal, real gap, real un, real pull) const {
-    if constexpr (!ShapeB::finite) {
+    if constexpr (!ShapeB::finite || state_type::continuous) {
       return false;
     } else {
-      if (strikes(i, j)) return false;
       if (gap <= touching_part * slack) return false;
       if (gap <= slack && !(gap + (un - pull * s_.dt) * s_.dt < 0)) return false;
       const vec3 way = way_past(i, j, at_a, at_b);
@@ -228,19 +227,12 @@ class pair_motion {
       return overlap;
     }
   }
-  /// Whether one of two bodies that are followed has an impact in this step.
-  [[nodiscard]] bool strikes(std::size_t i, std::size_t j) const {
-    if constexpr (state_type::continuous) {
-      if (impact_time(first_a_ + i) != never) return true;
-      if constexpr (Paired) return impact_time(first_b_ + j) != never;
-    }
-    return (void)i, (void)j, false;
-  }
   /// Surfaces that come nearer than this on their paths meet. The path of a body that is no faster
   /// than gravity makes it in two steps depends on its other contacts, so that a near miss of such
-  /// bodies counts as a touch.
+  /// bodies counts as a touch. So does one of two spheres, which have no edges that fling them
+  /// aside.
   [[nodiscard]] real meeting_gap(const vec3& way, real slack) const {
-    const bool slow = way.norm() <= 2 * gravity_ * s_.dt * s_.dt;
+    const bool slow = two_spheres || way.norm() <= 2 * gravity_ * s_.dt * s_.dt;
     return (slow ? touching_part : real(0.01) * touching_part) * slack;
   }
   /// The straight path of a body from `at` in this step. (Rotation by torques in the step is
