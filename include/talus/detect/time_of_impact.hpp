@@ -39,6 +39,7 @@ struct impact_search {
   /// Bodies nearer than this at `from` are in contact. They have no new impact unless they are
   /// apart and approach faster than `rest`, or would close by more than `plunge` until `to`.
   real zone = 0, rest = 0, plunge = 0;
+  bool at_once = false;  ///< also bodies that touch at `from` have one if they approach that fast
 };
 
 /// The time at which two bodies come within a gap of `touch`; `never` if they do not. It advances
@@ -81,7 +82,8 @@ template <class A, class FlightA, class B, class FlightB>
     const real faster = known && !bounded ? std::max(real(0), -normal.dot(acceleration)) : pull;
     const real closing = (known ? -normal.dot(v) : v.norm()) + faster * (s.to - t) + turning;
     gap = std::min(gap, margin);
-    if (k == 0 && at_start && gap <= s.zone && !(gap > s.touch && -normal.dot(v) > s.rest))
+    if (k == 0 && at_start && gap <= s.zone &&
+        !((gap > s.touch || s.at_once) && -normal.dot(v) > s.rest))
       return closing * (s.to - t) > s.plunge + std::max(real{0}, gap) ? t : never;
     if (gap <= s.touch) return t;
     if (closing <= 0) return never;

@@ -20,22 +20,28 @@ struct free_flight {
   real turned = 0;
   vec3 spin{0, 0, 0};     ///< angular velocity
   vec3 inertia{1, 1, 1};  ///< principal moments, to a factor
+  real later = 1;         ///< the part of the spin that is left after the time `turned`
   real coarse = 0;        ///< error of the angle that at() may have beside that of rotate_freely()
 
   [[nodiscard]] vec3 place(real t) const {
     return position + t * velocity + (real(0.5) * t * t) * acceleration;
   }
   [[nodiscard]] vec3 speed(real t) const { return velocity + t * acceleration; }
+  /// The time in which it turns, with its spin, from `orientation` to that at time t.
+  [[nodiscard]] real turning_until(real t) const {
+    const real lasts = t - turned;
+    return lasts > 0 ? later * lasts : lasts;
+  }
   [[nodiscard]] pose at(real t) const {
     pose p{place(t), orientation};
     if constexpr (Turns) {
-      const real square = spin.squaredNorm(), lasts = t - turned;
+      const real square = spin.squaredNorm(), lasts = turning_until(t);
       if (square == 0 || lasts == 0) return p;
       if (const real angle = std::sqrt(square) * std::abs(lasts);
           angle * angle * angle <= 6 * coarse)
         p.orientation = detail::turned(orientation, turn_midway(orientation, spin, inertia, lasts));
       else
-        (void)rotate_freely(p.orientation, spin, inertia, lasts);
+        (void)rotate_either_way(p.orientation, spin, inertia, lasts);
     }
     return p;
   }

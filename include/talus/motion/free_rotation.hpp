@@ -128,6 +128,14 @@ template <class Real>
   return q * vector((q.conjugate() * momentum).cwiseProduct(p));
 }
 
+/// The same over a time that may be negative.
+template <class Real>
+[[nodiscard]] vector3<Real> rotate_either_way(quaternion<Real>& q, const vector3<Real>& w,
+                                              const vector3<Real>& inertia, Real dt) {
+  if (dt >= 0) return rotate_freely(q, w, inertia, dt);
+  return -rotate_freely(q, vector3<Real>(-w), inertia, -dt);
+}
+
 /// The rotation vector of a free body over `dt` for short times: its angular velocity in their
 /// middle times `dt`. The angle is off by at most a sixth of the third power of |w| dt, since
 /// |dw/dt| is at most |w|^2 and the second derivative twice |w|^3.

@@ -165,7 +165,7 @@ template <class Scenario>
   if constexpr (Scenario::contact_law::soft) detail::report_soft_step(w, r);
   r.sleeping = Scenario::template has_feature<talus::sleeping>;
   r.followed = Scenario::template has_feature<continuous_collision>;
-  r.may_follow = !Scenario::contact_law::soft && !detail::world_state<Scenario>::midpoint;
+  r.may_follow = !Scenario::contact_law::soft;
   if constexpr (detail::world_state<Scenario>::drives) {
     r.leap = detail::largest_leap_of(w);
     r.jump = s.driving.jump;

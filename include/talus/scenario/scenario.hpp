@@ -246,10 +246,6 @@ struct scenario final {
                 "scenario<...> names integrator<moreau_midpoint> and soft_contact<...>, whose "
                 "forces need no velocities at the end of the step: use "
                 "integrator<velocity_verlet>, or hard_contact<...>");
-  static_assert(!midpoint || !names<continuous_collision>,
-                "scenario<...> names integrator<moreau_midpoint> and continuous_collision, but one "
-                "finds contacts in the middle of the step and the other at the time of impact: "
-                "keep one of them");
   static_assert(!midpoint || !detail::uses_substeps<typename solver_policy::type>,
                 "scenario<...> names integrator<moreau_midpoint> and solver<substepping>, but both "
                 "divide the step: keep one of them");

@@ -264,7 +264,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
           x.margin, [&](const contact_geometry& g) __attribute__((always_inline)) { add(x, g); });
     } else {
       if constexpr (driven && state_type::continuous)
-        if (const real t = time_of_meeting(x); t > 0) {
+        if (const real t = time_to_meeting(x); t != 0) {
           const auto& [shape, place] = global_before<ShapeB>(b_, j, -t);
           collide_pair(a_.shape[i], pose_a(x), shape, place, x.margin,
                        [&](const contact_geometry& g) { add(x, g); });
@@ -276,19 +276,19 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     drop_unless_made(x);
   }
 
-  /// If bodies are followed: the time in this step at which a body at its impact meets a driven
-  /// one, which moves on until then; 0 for all others.
-  [[nodiscard]] real time_of_meeting(const pair_at_hand& x) const {
+  /// If bodies are followed: the time from the present poses until a body at its impact meets a
+  /// driven one, which moves on until then; 0 for all others.
+  [[nodiscard]] real time_to_meeting(const pair_at_hand& x) const {
     if constexpr (driven && state_type::continuous)
       if (const real t = s_.impacts.time[first_a_ + x.i];
           t != never && going_body<ShapeB>(s_, x.j) != nullptr)
-        return t;
+        return t - time_of_poses(s_);
     return (void)x, 0;
   }
   /// The reference point of a global body for a contact with it.
   [[nodiscard]] vec3 reference_of(const pair_at_hand& x) const {
     if constexpr (driven && state_type::continuous)
-      return b_.position[x.j] + time_of_meeting(x) * b_.velocity[x.j];
+      return b_.position[x.j] + time_to_meeting(x) * b_.velocity[x.j];
     else
       return b_.position[x.j];
   }
@@ -337,7 +337,7 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       arm_b = g.point - b_.position[j];  // see grounded_contacts.hpp
     place(c, g, arm_a, arm_b);
     if constexpr (state_type::midpoint) {
-      c.bias = bias_of(x, g, u, pulled);
+      c.bias = motion_.strikes(i, j) ? vec3(0, 0, 0) : bias_of(x, g, u, pulled);
       u += g.normal.dot(c.bias) * g.normal;  // the rest may be an impact
     }
     auto want = conditions_of<law, uses_substeps<typename Scenario::solver>>(
@@ -352,7 +352,8 @@ class contact_maker : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
       if (want.target_velocity != rebound) want.restitution = 0;  // one at its impact
     }
     s_.solver.impacts = s_.solver.impacts || rebound > 0;
-    if constexpr (state_type::midpoint) end_bias(x, c, want, g.normal);
+    if constexpr (state_type::midpoint)
+      if (!motion_.strikes(i, j)) end_bias(x, c, want, g.normal);
     set_conditions(c, want);
     const contact_key key{a_.id[i], b_.id[j], g.feature};
     if constexpr (is_cohesive<law>)

@@ -174,6 +174,14 @@ class pair_motion {
     }
     return (void)j, -normal.dot(a);
   }
+  /// Whether one of two bodies that are followed has an impact in this step.
+  [[nodiscard]] bool strikes(std::size_t i, std::size_t j) const {
+    if constexpr (state_type::continuous) {
+      if (impact_time(first_a_ + i) != never) return true;
+      if constexpr (Paired) return impact_time(first_b_ + j) != never;
+    }
+    return (void)i, (void)j, false;
+  }
 
   // Where bodies are followed.
 
@@ -273,7 +281,9 @@ class pair_motion {
                             bool rebounds) const {
     const real t = impact_time(first + i);
     if (t == never) return {0, 0, 0};
-    return (rebounds ? real(0.5) * s_.dt - t : real(-0.5) * t) * acceleration_of(s_, store, i);
+    const vec3 a = acceleration_of(s_, store, i);
+    if constexpr (state_type::midpoint) return (rebounds ? s_.dt - t : real(0.5) * (s_.dt - t)) * a;
+    return (rebounds ? real(0.5) * s_.dt - t : real(-0.5) * t) * a;
   }
   template <class Store>
   [[nodiscard]] real margin_of(const Store& store, std::size_t i) const {

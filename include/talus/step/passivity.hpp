@@ -158,7 +158,8 @@ class passivity {
   template <class Store>
   [[nodiscard]] vec3 offset_of(const Store& store, std::size_t i, std::size_t k) const {
     if constexpr (state_type::continuous)
-      if (const real t = s_.impacts.time[k]; t != never) return t * acceleration_of(s_, store, i);
+      if (const real t = s_.impacts.time[k]; t != never)
+        return (t - time_of_poses(s_)) * acceleration_of(s_, store, i);
     return (void)store, (void)i, (void)k, vec3(0, 0, 0);
   }
 

@@ -215,16 +215,20 @@ void integrate(world_state<Scenario>& s) {
           struck = true;
           if constexpr (divided)
             rate += solver.drift[b.first + i].v;
+          else if constexpr (world_state<Scenario>::midpoint)
+            rate = rest_velocity(s, store, i, store.velocity[i], t);
           else
             rate += (real(0.5) * t) * acceleration_of(s, store, i);
+          const vec3 path = world_state<Scenario>::midpoint ? rate : store.velocity[i];
           left = s.impacts.found[b.first + i] - t;
           rate *= left / s.dt;
           if constexpr (monitored<Scenario, energy_ledger>) {
-            vec3 missing = s.dt * (store.velocity[i] - rate);
+            constexpr real whole = world_state<Scenario>::midpoint ? 0.5 : 1;
+            vec3 missing = s.dt * (whole * store.velocity[i] - rate);
             if constexpr (divided) missing += s.dt * solver.drift[b.first + i].v;
             book_stop(s, store, i, missing);
           }
-          end_flight(s, store, i, s.dt - s.impacts.found[b.first + i]);
+          end_flight(s, store, i, s.dt - s.impacts.found[b.first + i], path);
         }
       if constexpr (world_state<Scenario>::law::correction)
         rate += in_scalar<real>(solver.shift[b.first + i].v);

@@ -12,6 +12,11 @@
 //
 // A solver with substeps divides the remaining step of each body: of a body that was moved to its
 // impact, the rest of the step, in which it gains the rest of the velocity from gravity and forces.
+//
+// With the midpoint, a velocity is the true one at the end of a step, and contacts are searched at
+// poses in the middle of the step. Flights pass through these, but last from the start of the step
+// to its end, damped as the integrator damps them. A body that is not faster than bodies at rest
+// has its contacts in the middle of the step, as without continuous collision.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -40,16 +45,25 @@ template <class Store>
   return a;
 }
 
-/// Half of the step, or of its first substep: a velocity is the true one that much earlier.
+/// Half of the step, or of its first substep: a velocity is the true one that much earlier. With
+/// the midpoint it is the true one.
 template <class Scenario>
 [[nodiscard]] real half_part(const world_state<Scenario>& s) {
-  if constexpr (uses_substeps<typename Scenario::solver>)
+  if constexpr (world_state<Scenario>::midpoint)
+    return (void)s, 0;
+  else if constexpr (uses_substeps<typename Scenario::solver>)
     return real(0.5) * s.dt / s.settings.iterations;
   else
     return real(0.5) * s.dt;
 }
 
-/// The flight of a body in this step. (Rotation by torques in the step is neglected.)
+/// The time in the step at which bodies have the poses with which contacts are searched.
+template <class Scenario>
+[[nodiscard]] real time_of_poses(const world_state<Scenario>& s) {
+  return world_state<Scenario>::midpoint ? real(0.5) * s.dt : real(0);
+}
+
+/// The flight of a body from its present pose on. (Rotation by torques in the step is neglected.)
 template <class Scenario, class Store>
 [[nodiscard]] auto flight_of(const world_state<Scenario>& s, const Store& store, std::size_t i) {
   free_flight<Store::tensor> f;
@@ -65,13 +79,34 @@ template <class Scenario, class Store>
   return f;
 }
 
+/// The flight of a body in this step that passes through the position `at` at time_of_poses(). With
+/// the midpoint it has the positions and velocities of a step without contacts at both ends.
+template <class Scenario, class Store>
+[[nodiscard]] auto flight_through(const world_state<Scenario>& s, const Store& store, std::size_t i,
+                                  const vec3& at) {
+  auto f = flight_of(s, store, i);
+  f.position = at;
+  if constexpr (world_state<Scenario>::midpoint) {
+    if (store.inverse_mass[i] == 0) return f;
+    if (const real kept = kept_by_damping(s); kept != 1) {
+      const vec3 end = kept * (f.velocity + s.dt * f.acceleration);
+      f.velocity /= kept, f.spin /= kept, f.later = kept * kept;
+      f.acceleration = (end - f.velocity) / s.dt;
+    }
+    f.position -= time_of_poses(s) * f.velocity, f.turned = time_of_poses(s);
+  }
+  return f;
+}
+
 /// How far a point of a body can move in this step.
-template <class Store>
-[[nodiscard]] real way_of(const step_conditions& s, const Store& store, std::size_t i) {
+template <class Scenario, class Store>
+[[nodiscard]] real way_of(const world_state<Scenario>& s, const Store& store, std::size_t i) {
   if (store.inverse_mass[i] == 0) return 0;
   real speed = store.velocity[i].norm() + s.dt * acceleration_of(s, store, i).norm();
   if constexpr (Store::tensor)
     speed += store.shape[i].bounding_radius() * store.angular_velocity[i].norm();
+  if constexpr (world_state<Scenario>::midpoint)  // they are damped already
+    if (s.damping != 1) speed /= kept_by_damping(s);
   return s.dt * speed;
 }
 
@@ -109,8 +144,8 @@ template <class A, class B>
 }
 
 /// The definition of an impact of two shapes.
-template <class A, class B>
-[[nodiscard]] impact_search search_for(const step_conditions& s, const A& a, const B& b) {
+template <class Scenario, class A, class B>
+[[nodiscard]] impact_search search_for(const world_state<Scenario>& s, const A& a, const B& b) {
   real thickness = inner_radius(a), size = a.bounding_radius();
   if constexpr (B::finite) {
     thickness = std::min(thickness, inner_radius(b));
@@ -121,7 +156,8 @@ template <class A, class B>
           .touch = real(1e-6) * size,
           .zone = contact_zone(a, b),
           .rest = 2 * s.gravity.norm() * s.dt,
-          .plunge = real(0.5) * thickness};
+          .plunge = real(0.5) * thickness,
+          .at_once = world_state<Scenario>::midpoint};
 }
 
 /// The driven body of global body j of a shape if it moves in this step, or null. (A belt has a
@@ -180,9 +216,10 @@ template <class ShapeB, bool Paired, class Scenario, class StoreA, class FlightA
   const auto& shape = a.shape[i];
   if constexpr (!Paired && world_state<Scenario>::drives)
     if (const driven_body* one = going_body<ShapeB>(s, j))
-      return time_of_impact(
-          shape, moving_frame(fa, one->state.at.point, one->next.v, one->next.w, search.to),
-          b.shape[j], fb, search);
+      return time_of_impact(shape,
+                            moving_frame(fa, one->state.at.point, one->next.v, one->next.w,
+                                         search.to, time_of_poses(s)),
+                            b.shape[j], fb, search);
   while (true) {
     const real t = time_of_impact(shape, fa, b.shape[j], fb, search);
     if (t == never || !meet_hidden<ShapeB, Paired>(s, a, i, fa, b, j, fb, search, t)) return t;
@@ -213,9 +250,8 @@ class impact_finder : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if (!x.own_a && !(paired && x.own_b)) return;
     if (!x.moves_a && !x.moves_b) return;
     const std::size_t body_b = this->body_b(x);
-    auto fa = flight_of(s_, a_, i);
-    auto fb = flight_of(s_, b_, j);
-    fa.position = this->position_a(x), fb.position = this->position_b(x);
+    auto fa = flight_through(s_, a_, i, this->position_a(x));
+    auto fb = flight_through(s_, b_, j, this->position_b(x));
     const real zone = contact_zone(a_.shape[i], b_.shape[j]);
     real way = way_of(s_, a_, i);
     if constexpr (paired) way += way_of(s_, b_, j);
@@ -280,6 +316,16 @@ void require_covered_flights(const world_state<Scenario>& s) {
   }
 }
 
+/// The time by which a body whose flight this is rotates with its present velocity, from its
+/// present orientation to that at time t.
+template <class Scenario, class Flight>
+[[nodiscard]] real turning_time(const world_state<Scenario>& s, const Flight& flight, real t) {
+  if constexpr (world_state<Scenario>::midpoint)
+    return flight.turning_until(t) / kept_by_damping(s);
+  else
+    return (void)s, (void)flight, t;
+}
+
 /// Moves bodies with an impact in this step, and the shadow copies of such bodies, to the time of
 /// their first impact; s.impacts.time holds the times, `never` for all others.
 template <class Scenario, class EachClosePair>
@@ -309,23 +355,24 @@ void follow_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pai
       if (t == never || store.inverse_mass[i] == 0) continue;
       const pose from = store.pose(i);
       const vec3 w = store.angular_velocity[i];
-      auto flight = flight_of(s, store, i);
+      const auto flight = flight_through(s, store, i, store.position[i]);
+      const real turning = turning_time(s, flight, t);
       if constexpr (world_state<Scenario>::periodic)
         if (image_copy* copy = copy_of<typename store_type::shape_type>(s, i)) {
-          flight.position = copy->home;  // as its owner computes it
-          store.position[i] = flight.place(t);
+          // As its owner computes it.
+          store.position[i] = flight_through(s, store, i, copy->home).place(t);
           put_image(s, store.position[i], *copy);
         }
       if (!world_state<Scenario>::periodic || i < store.locals) store.position[i] = flight.place(t);
       if constexpr (store_type::tensor)
-        store.angular_velocity[i] = rotate_freely(
-            store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), t);
+        store.angular_velocity[i] = rotate_either_way(
+            store.orientation_of[i], store.angular_velocity[i], store.shape[i].inertia(), turning);
       else if constexpr (store_type::oriented)
         store.orientation_of[i] =
-            turned<real>(store.orientation_of[i], t * store.angular_velocity[i]);
+            turned<real>(store.orientation_of[i], turning * store.angular_velocity[i]);
       if constexpr (monitored<Scenario, energy_ledger>)
         if (i < store.locals) book_flight(s, store, i, from, w);
-      (void)from, (void)w;
+      (void)from, (void)w, (void)turning;
     }
   });
 }
@@ -342,39 +389,62 @@ template <class Scenario, class Store>
   return radius + slack + std::min(way_of(s, store, i), furthest);
 }
 
-/// After an impact: the further flight of a body, and its end.
+/// With the midpoint: the mean velocity of a body from its impact at time t to the end of the step,
+/// where its velocity is v.
+template <class Scenario, class Store>
+[[nodiscard]] vec3 rest_velocity(const world_state<Scenario>& s, const Store& store, std::size_t i,
+                                 const vec3& v, real t) {
+  return v - (kept_by_damping(s) * real(0.5) * (s.dt - t)) * acceleration_of(s, store, i);
+}
+
+/// After an impact: the flight of a body after it, as if it had been on it since the start of the
+/// step. `at` is its present position. Also that of other bodies.
 template <class Scenario, class Store>
 [[nodiscard]] auto rest_of_flight(const world_state<Scenario>& s, const Store& store, std::size_t i,
-                                  std::size_t body) {
+                                  std::size_t body, const vec3& at) {
   free_flight<Store::tensor> f;
-  f.position = store.position[i];
+  f.position = at;
   f.orientation = store.pose(i).orientation;
   if (store.inverse_mass[i] == 0) return f;
   const real t = s.impacts.time[body];
+  const real since = t == never ? time_of_poses(s) : t;
   f.velocity = solved_velocity(s, store, i, body);
+  constexpr bool midpoint = world_state<Scenario>::midpoint;
   constexpr bool divided = uses_substeps<typename Scenario::solver>;
-  if constexpr (divided)
+  if constexpr (midpoint) {
+    const real kept = kept_by_damping(s);
+    const vec3 end = kept * f.velocity;
+    if (t != never) {
+      f.velocity = rest_velocity(s, store, i, end, t);
+    } else {
+      f.velocity = store.velocity[i] / kept;
+      f.acceleration = (end - f.velocity) / s.dt;
+    }
+  } else if constexpr (divided)
     f.velocity += s.solver.drift[body].v;  // the mean of its substeps
   else if (t != never)
     f.velocity += (real(0.5) * t) * acceleration_of(s, store, i);
   if constexpr (Store::tensor) {
     f.spin = solved_spin(s, store, i, body);
+    if constexpr (midpoint) f.spin *= kept_by_damping(s);
     if constexpr (divided) f.spin += s.solver.drift[body].w;
     f.inertia = store.shape[i].inertia();
   }
+  f.position -= since * f.velocity, f.turned = since;
   return f;
 }
 
 /// A body that is stopped for the last `lost` units of a step has a velocity with all of the step's
 /// acceleration, but has not moved in that time: it gets the speed that matches its path, otherwise
 /// under gravity its energy would grow with every stop. The direction is that of the contact
-/// solution.
+/// solution. `path` is its velocity on the path.
 template <class Scenario, class Store>
-void end_flight(world_state<Scenario>& s, Store& store, std::size_t i, real lost) {
+void end_flight(world_state<Scenario>& s, Store& store, std::size_t i, real lost,
+                const vec3& path) {
   const vec3 v = store.velocity[i];
   const real square = v.squaredNorm();
   if (!(lost > 0) || square == 0) return;
-  const real gained = 2 * lost * acceleration_of(s, store, i).dot(v);
+  const real gained = 2 * lost * acceleration_of(s, store, i).dot(path);
   store.velocity[i] = std::sqrt(std::max<real>(0, 1 - gained / square)) * v;
   if constexpr (monitored<Scenario, energy_ledger>)
     s.monitors.energy.running.scheme +=
@@ -410,18 +480,15 @@ class flight_stopper : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     if (!stops_a && !stops_b) return;
     // From the later of the two impacts on; a body without impact is still at its start.
     impact_search search = search_for(s_, a_.shape[i], b_.shape[j]);
-    auto fa = rest_of_flight(s_, a_, i, a);
+    const auto fa = rest_of_flight(s_, a_, i, a, this->position_a(x));
     free_flight<store_b::tensor> fb;
     if constexpr (paired)
-      fb = rest_of_flight(s_, b_, j, b);
+      fb = rest_of_flight(s_, b_, j, b, this->position_b(x));
     else
-      fb = flight_of(s_, b_, j);
-    fa.position = this->position_a(x), fb.position = this->position_b(x);
+      fb = flight_of(s_, b_, j), fb.position = this->position_b(x);
     const real from_a = time[a] == never ? 0 : time[a];
     const real from_b = !paired || time[b] == never ? 0 : time[b];
     search.from = std::max(from_a, from_b);
-    fa.position -= from_a * fa.velocity, fa.turned = from_a;
-    fb.position -= from_b * fb.velocity, fb.turned = from_b;
     const real t = meeting_of<ShapeB, paired>(s_, a_, i, fa, b_, j, fb, search);
     if (t == never) return;
     if (stops_a) s_.impacts.found[a] = std::min(s_.impacts.found[a], t);
@@ -438,12 +505,12 @@ class flight_stopper : shape_pairs<Scenario, ShapeA, ShapeB, Partner> {
     search.from = s_.impacts.found[a];
     search.plunge = 0;
     if (!(search.from < s_.dt)) return;
-    auto fa = rest_of_flight(s_, a_, i, a);
-    fa.position -= s_.impacts.time[a] * fa.velocity, fa.turned = s_.impacts.time[a];
+    const auto fa = rest_of_flight(s_, a_, i, a, a_.position[i]);
     const real t = meeting_of<ShapeB, paired>(s_, a_, i, fa.stopped(search.from), b_, j,
                                               flight_of(s_, b_, j), search);
     auto& carrier = s_.impacts.carriers[a];
-    if (t < carrier.from) carrier = {t, one->state.at.point, one->next.v, one->next.w};
+    const vec3 start = one->state.at.point - time_of_poses(s_) * one->next.v;
+    if (t < carrier.from) carrier = {t, start, one->next.v, one->next.w};
   }
 };
 
@@ -471,7 +538,7 @@ void limit_flights(world_state<Scenario>& s, EachClosePair&& each_neighbour_pair
     for (std::size_t i = 0; i < store.locals; ++i) {
       const real t = impacts.time[b.first + i];
       if (t == never) continue;
-      const auto f = rest_of_flight(s, store, i, b.first + i);
+      const auto f = rest_of_flight(s, store, i, b.first + i, store.position[i]);
       real speed = f.velocity.norm();
       if constexpr (std::remove_reference_t<decltype(store)>::tensor)
         speed += store.shape[i].bounding_radius() * f.spin.norm();
