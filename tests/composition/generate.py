@@ -42,7 +42,6 @@ def refused(a, b):
             pair("law", soft, "integrator", ["moreau_midpoint"]) or
             pair("law", hard, "integrator", ["velocity_verlet"]) or
             pair("solver", ["accelerated_jacobi", "substepping", "none"], "precision", ["mixed_precision"]) or
-            pair("integrator", ["moreau_midpoint"], "continuous_collision", ["on"]) or
             pair("integrator", ["moreau_midpoint"], "solver", ["substepping"]) or
             pair("decomposition", ["periodic"], "transport", ["serial"]) or
             pair("balancing", ["on"], "decomposition", ["grid", "ring", "hexagonal", "periodic", "cells"]))

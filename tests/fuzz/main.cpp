@@ -53,7 +53,8 @@ const family families[] = {
     {"around", TALUS_IF_ALL(fuzz::run_around)},
     {of_shapes, fuzz::run_shapes},
     {"mechanisms", TALUS_IF_MECHANISMS(fuzz::run_mechanisms)},
-    {"mechanisms_around", TALUS_IF_ALL(TALUS_IF_MECHANISMS(fuzz::run_mechanisms_around))}};
+    {"mechanisms_around", TALUS_IF_ALL(TALUS_IF_MECHANISMS(fuzz::run_mechanisms_around))},
+    {"midway", TALUS_IF_ALL(fuzz::run_midway)}};
 constexpr std::uint64_t drawn = 7;
 bool of_mechanisms(const family& f) { return std::strncmp(f.name, "mech", 4) == 0; }
 
@@ -119,7 +120,7 @@ int main(int argc, char** argv) {
           stderr,
           "usage: %s [--runs N] [--seed S] [--only "
           "spheres|solids|jacobi|springs|pursued|alike|around|shapes|few_shapes|mechanisms|"
-          "mechanisms_around] [--seconds PER_RUN] [--verbose] [--shrink] "
+          "mechanisms_around|midway] [--seconds PER_RUN] [--verbose] [--shrink] "
           "[--without ITEM,ITEM]\n",
           argv[0]);
       return 2;

@@ -114,6 +114,7 @@ outcome run_springs(const plan& p);     ///< spheres with soft contacts
 outcome run_alike(const plan& p);       ///< spheres and boxes, the same bits as on one rank
 outcome run_around(const plan& p);      ///< the same in a periodic box, or the default solver there
 outcome run_pursued(const plan& p);     ///< spheres and boxes with continuous collision
+outcome run_midway(const plan& p);      ///< the same with the midpoint
 outcome run_shapes(const plan& p);      ///< every shape, or few; degenerate poses, 1 : 10,000
 outcome run_mechanisms(const plan& p);  ///< joints of all kinds
 outcome run_mechanisms_around(const plan& p);  ///< the same in a periodic box
