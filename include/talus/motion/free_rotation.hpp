@@ -128,7 +128,7 @@ template <class Real>
   return q * vector((q.conjugate() * momentum).cwiseProduct(p));
 }
 
-/// The same over a time that may be negative.
+/// Free rotation as by rotate_freely(), over a time that may be negative.
 template <class Real>
 [[nodiscard]] vector3<Real> rotate_either_way(quaternion<Real>& q, const vector3<Real>& w,
                                               const vector3<Real>& inertia, Real dt) {
