@@ -155,7 +155,11 @@ def serve(o, base):
         server = Server((o.bind, o.serve), handler_of(source, token, whole))
     except (OSError, UnicodeError) as error:
         sys.exit(f"view: cannot serve at {o.bind}, port {o.serve}: {getattr(error, 'strerror', error)}; name another port, or 0 for any")
-    print(f"http://{o.bind}:{server.server_port}/{token}/", flush=True)
+    try:
+        print(f"http://{o.bind}:{server.server_port}/{token}/", flush=True)
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what is left would be written at the end
+        sys.exit(f"view: the address cannot be printed: {error.strerror}")
     print("view: open that address; Ctrl-C ends the server", file=sys.stderr)
     try:
         server.serve_forever()

@@ -3,13 +3,15 @@
   command      what was started
   log          what the program printed
   results.json what it wrote for --json
-  done.json    the run is complete; written last, by a rename, so that it is whole or not there
+  done.json    the run is complete, if its results can be read; written last, by a rename, so that it is
+               whole or not there
   failed.json  the run failed: the exit code and the message; likewise
   lock         locked as long as a program runs here
 
 A run with neither done.json nor failed.json was interrupted, and begins anew.
 """
 import ctypes
+import errno
 import fcntl
 import hashlib
 import json
@@ -79,7 +81,7 @@ class Run:
     @property
     def state(self):
         """done, failed or missing."""
-        if read(self.folder / "done.json") is not None:
+        if read(self.folder / "done.json") is not None and read(self.folder / "results.json") is not None:
             return "done"
         return "failed" if read(self.folder / "failed.json") is not None else "missing"
 
@@ -134,13 +136,15 @@ class Run:
             self.finish(127)
 
     def finish(self, code, why=""):
-        """Records the end of the program; returns done or failed."""
+        """Records the end of the program; returns done or failed. Raises OSError if the program found no room on the
+        disk, after which the run counts as interrupted."""
         seconds = round(time.monotonic() - self.began, 3)
         results = read(self.folder / "results.json")
         record = {"values": self.values, "program": self.setup["digest"], "seconds": seconds}
         if code == 0 and results is not None:
             write_whole(self.folder / "done.json", json.dumps(record, indent=1) + "\n")
         else:
+            self.require_room()
             record["exit_code"] = code
             if code == OUT_OF_TIME:
                 why = why or "its --time-limit ended it before its last step"
@@ -150,6 +154,13 @@ class Run:
         self.process = None
         self.leave()
         return self.state
+
+    def require_room(self):
+        for number in (errno.ENOSPC, errno.EDQUOT):
+            if os.strerror(number) in self.last_words():
+                self.process = None
+                self.leave()
+                raise OSError(number, os.strerror(number), str(self.folder / "log"))
 
     def last_words(self):
         """The message of a program that failed: the last line of its log that is no progress."""

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Stands in for a program made with run<...>: its options, its results, and ways to go wrong.
 
-Each start adds a line to the file STARTS of the environment, so that tests can count."""
+Each start adds a line to the file STARTS of the environment, so that tests can count. With --fail-at it ends with
+LAST_WORDS."""
 import json
 import os
 import sys
@@ -48,7 +49,7 @@ def main():
         starts.write(f"{chosen['friction']} {chosen['iterations']} {chosen['seed']}\n")
     time.sleep(chosen["seconds"])
     if chosen["friction"] == chosen["fail-at"]:
-        print("progress\nprogram.py: body 7 is lost", file=sys.stderr)
+        print("progress\nprogram.py: " + os.environ.get("LAST_WORDS", "body 7 is lost"), file=sys.stderr)
         return 1
     results = {"scenario": "program", "steps": chosen["steps"], "contacts": int(100 * chosen["friction"]),
                "residual": None, "state_digest": "0123", "angle": chosen["friction"] * chosen["iterations"],

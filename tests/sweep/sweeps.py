@@ -2,6 +2,7 @@
 """Sweeps of a stand-in for a program, of a real one if it is given, killed and continued.
   sweeps.py ROOT [PROGRAM]"""
 import csv
+import errno
 import fcntl
 import json
 import os
@@ -142,6 +143,23 @@ class Sweeps(unittest.TestCase):
         self.sweep("--vary", "friction=0.2,0.4")
         self.assertEqual(self.started(), ["0.2 10 1", "0.4 10 1", "0.4 10 1"])
 
+    def test_a_run_with_damaged_results_begins_anew(self):
+        self.sweep("--vary", "friction=0.2,0.4")
+        (self.work / "out" / "runs" / "friction=0.4" / "results.json").write_text("[1]")
+        self.sweep("--vary", "friction=0.2,0.4")
+        self.assertEqual(self.started(), ["0.2 10 1", "0.4 10 1", "0.4 10 1"])
+        self.assertEqual([r["angle"] for r in self.rows()], ["2.0", "4.0"])
+
+    def test_a_run_that_found_no_room_begins_anew_when_there_is_some(self):
+        self.environment["LAST_WORDS"] = f"there is no room for 9 bytes more ({os.strerror(errno.ENOSPC)}), make room"
+        words = ["--vary", "friction=0.2,0.4"]
+        said = self.sweep(*words, "--", "--fail-at", "0.2", code=1)
+        self.assertIn("friction=0.2/log: No space left on device; when that is mended the same command goes on", said)
+        self.assertEqual(list((self.work / "out" / "runs").glob("*/failed.json")), [])
+        self.environment["LAST_WORDS"] = "body 7 is lost"
+        self.assertIn("1 of 2 runs are done, 1 failed", self.sweep(*words, "--", "--fail-at", "0.2", code=1))
+        self.assertEqual(self.started(), ["0.2 10 1", "0.2 10 1", "0.4 10 1"])
+
     def test_mistakes_are_refused_before_the_first_run(self):
         for words, message in [
                 (["--vary", "frictoin=1,2"], "has no option --frictoin; did you mean friction?"),
@@ -191,7 +209,7 @@ class Sweeps(unittest.TestCase):
         out, collect = self.work / "out", ["--collect", str(self.work / "out")]
         deep, pipe = lambda file: file.write_text('{"a":' * 100000), lambda file: os.mkfifo(file)
         for make in deep, pipe:
-            for name, code, words in (("runs/friction=1/results.json", 0, "2 of 2 runs are done"),
+            for name, code, words in (("runs/friction=1/results.json", 1, "1 are missing"),
                                       ("runs/friction=1/done.json", 1, "1 are missing"), ("sweep.json", 2, "sweep.json is damaged")):
                 file = out / name
                 whole = file.read_bytes()

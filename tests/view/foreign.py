@@ -238,6 +238,17 @@ class Foreign(unittest.TestCase):
         write_output(self.folder)
         self.assertIn("t.csv is damaged", self.view("--csv", self.folder / "t.csv", code=1).stderr)
 
+    def test_an_array_that_the_file_does_not_hold_is_refused_before_it_takes_memory(self):
+        def empty(group, name):
+            how = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+            how.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+            how.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+            h5py.h5d.create(group.id, name.encode(), h5py.h5t.STD_U64LE, h5py.h5s.create_simple((10 ** 8,)), how)
+        with_array(self.folder / BODIES, "VTKHDF/PointData/id", empty)
+        with self.assertRaisesRegex(talus.Error, "id would be of 800000000 bytes, which are not within the file"):
+            read_all(self.folder / "o")
+        self.refused("id has 100000000 rows, and not 8", reader=False)
+
     def test_numbers_without_a_square_make_a_page(self):
         for name in ("VTKHDF/Points", "VTKHDF/PointData/velocity", "VTKHDF/PointData/size"):
             for value in (1e300, np.nan, -np.inf):

@@ -3,6 +3,7 @@
 
   served.py     ends with 77 without h5py"""
 import contextlib
+import errno
 import json
 import os
 import pathlib
@@ -98,6 +99,14 @@ class Replaced(Case):
                 self.assertEqual(ended.returncode, 0)
                 self.assertIn("</html>", page.read_text())
                 page.unlink()
+
+
+    def test_a_server_whose_address_cannot_be_printed_ends_with_a_sentence(self):
+        ended = subprocess.run(["sh", "-c", 'exec "$@" >/dev/full', "sh", *VIEW, str(self.folder / "o"), "--serve", "0"], text=True,
+                               stderr=subprocess.PIPE, timeout=60,
+                               env={**os.environ, "TALUS_THREE": str(self.folder / "three.js")})
+        self.assertEqual(ended.returncode, 1)
+        self.assertEqual(ended.stderr, f"view: the address cannot be printed: {os.strerror(errno.ENOSPC)}\n")
 
 
 class Served(Case):
