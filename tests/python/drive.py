@@ -397,6 +397,17 @@ class Worlds(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "the bar has its own mass"):
             mechanism.World(bar_mass=2)
 
+    def test_a_pipe_is_refused_as_python_could_not_end_the_wait_for_its_reader(self):
+        pipe = str(self.work / "pipe")
+        os.mkfifo(pipe)
+        for option in ("csv", "json", "log", "config"):
+            with self.assertRaisesRegex(ValueError, f"{option} names the pipe .*: name a file"):
+                drop.World(**{option: pipe})
+        world = drop.World()
+        for write in (world.write_checkpoint, world.write_body_table, world.write_contact_table):
+            with self.assertRaisesRegex(ValueError, f"{write.__name__} names the pipe .*: name a file"):
+                write(pipe)
+
     def test_an_option_is_no_bytes(self):
         for name in (b"t.csv", bytearray(b"t.csv")):
             with self.assertRaisesRegex(TypeError, "csv needs a text, but is given bytes"):

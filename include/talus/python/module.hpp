@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -42,13 +44,24 @@ template <class Type>
 }
 inline constexpr const char* sizes_are_numbers =
     "a shape is given by numbers before the others, such as its radius";
+/// Throws invalid_argument if the text is the name of a pipe: the thread that waits for its other
+/// end cannot be interrupted.
+inline void refuse_pipe(const std::string& text, const std::string& what) {
+  std::error_code none;
+  if (std::filesystem::is_fifo(text, none))
+    fail<std::invalid_argument>(
+        "{} names the pipe {}, whose other end Python cannot wait for: "
+        "name a file",
+        what, quoted_text(text));
+}
 /// The name of a file that Python gives to a function. Throws invalid_argument for one that is
-/// empty, or that the system would cut.
+/// empty, or that the system would cut, and for a pipe.
 [[nodiscard]] inline const std::string& file_of_python(const std::string& file,
                                                        const char* function) {
   if (file.empty() || file.find('\0') != std::string::npos)
     fail<std::invalid_argument>("{} needs the name of a file, but is given {}", function,
                                 quoted_text(file));
+  refuse_pipe(file, function);
   return file;
 }
 
@@ -78,6 +91,7 @@ inline constexpr const char* sizes_are_numbers =
     if (text.find('\0') != std::string::npos)
       fail<std::invalid_argument>("{} needs a text without zero bytes, but is {}", name,
                                   quoted_text(text));
+    refuse_pipe(text, name);
     words.push_back("--" + name + "=" + text);
   }
   if (!quiet) words.emplace_back("--quiet=true");
